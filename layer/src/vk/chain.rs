@@ -182,6 +182,39 @@ pub unsafe fn advance_device(info: *const vk::DeviceCreateInfo<'_>) -> Option<Ne
     }
 }
 
+/// The handle that a creation writes, and the loader's link in its chain, as they were before the call: the loader below reads its own
+/// pointers out of both and may change them, and a second call needs them as they were.
+pub struct Saved<H, L> {
+    handle: (*mut H, H),
+    link: Option<(*mut *mut L, *mut L)>,
+}
+
+impl<H: vk::Handle + Copy, L> Saved<H, L> {
+    /// # Safety
+    ///
+    /// Both pointers are valid for reads.
+    pub unsafe fn of(handle: *mut H, link: Option<*mut *mut L>) -> Self {
+        // SAFETY: both are valid for reads, as `# Safety` demands.
+        unsafe { Self { handle: (handle, *handle), link: link.map(|at| (at, *at)) } }
+    }
+
+    /// Writes them as they were.
+    ///
+    /// # Safety
+    ///
+    /// Both pointers are still valid, for writes.
+    pub unsafe fn restore(&self) {
+        let (handle, before) = self.handle;
+        // SAFETY: both are valid for writes, as `# Safety` demands.
+        unsafe {
+            *handle = before;
+            if let Some((at, link)) = self.link {
+                *at = link;
+            }
+        }
+    }
+}
+
 /// The first structure of type `T` in a pNext chain.
 ///
 /// # Safety

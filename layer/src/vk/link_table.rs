@@ -132,23 +132,36 @@ unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecor
 }
 
 unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
-    // SAFETY: as above; the records are null or valid, and each map has a rate for each tile.
+    // SAFETY: the other half passes a live device and a valid record (link.rs).
     unsafe {
-        with_armed("vkGetParafoveaLink.begin_frame", device, start, |armed, start| {
-            if let Some(settings) = start.settings.as_ref() {
-                armed.notify_settings(settings, slice(settings.passes, settings.passes_len as usize));
-            }
-            if let Some(plan) = start.plan.as_ref() {
-                let rates = plan.eyes.map(|eye| {
-                    let [columns, rows] = eye.tiles.map(|count| count as usize);
-                    slice(eye.rates, columns.saturating_mul(rows))
-                });
-                armed.frame.set_plan(plan, rates);
-            }
-            if let Some(awaited) = start.awaited.as_ref() {
-                armed.frame.awaited.set(awaited);
-            }
+        with_armed("vkGetParafoveaLink.begin_frame", device, start, |armed, start| note_start(armed, start));
+    }
+}
+
+/// A frame begins.
+///
+/// # Safety
+///
+/// The records are null or valid, and each map has a rate for each tile.
+unsafe fn note_start(armed: &Armed, start: &FrameStart) {
+    // SAFETY: each is null or valid, as `# Safety` demands.
+    let (settings, plan, awaited) =
+        unsafe { (start.settings.as_ref(), start.plan.as_ref(), start.awaited.as_ref()) };
+    if let Some(settings) = settings {
+        // SAFETY: the record says how many passes it has.
+        let passes = unsafe { slice(settings.passes, settings.passes_len as usize) };
+        armed.notify_settings(settings, passes);
+    }
+    if let Some(plan) = plan {
+        let rates = plan.eyes.map(|eye| {
+            let [columns, rows] = eye.tiles.map(|count| count as usize);
+            // SAFETY: there is a rate for each tile, as `# Safety` demands.
+            unsafe { slice(eye.rates, columns.saturating_mul(rows)) }
         });
+        armed.frame.set_plan(plan, rates);
+    }
+    if let Some(awaited) = awaited {
+        armed.frame.awaited.set(awaited);
     }
 }
 
@@ -168,28 +181,30 @@ unsafe extern "C" fn end_frame(
     submission: *const ShownRecord,
     report: *mut FrameReportRecord,
 ) -> u32 {
-    // SAFETY: the other half passes a live device, a valid record, and one to write to, whose words begin where it says (link.rs).
     guard(
         "vkGetParafoveaLink.end_frame",
         || 0,
-        |_| unsafe {
-            let known = device::of(device);
+        |_| {
+            // SAFETY: the other half passes a live device, a valid record, and one to write to (link.rs).
+            let (known, submission, report) =
+                unsafe { (device::of(device), submission.as_ref(), report.as_mut()) };
             let armed = known.as_ref().and_then(|known| known.armed.as_ref());
-            let (Some(armed), Some(submission), Some(report)) = (armed, submission.as_ref(), report.as_mut())
-            else {
-                return 0;
-            };
-            if armed.follows_passes() && armed.frame.learns() {
-                armed.frame.shown(
-                    &armed.objects,
+            let (Some(armed), Some(submission), Some(report)) = (armed, submission, report) else { return 0 };
+            // SAFETY: the record says how many elements each of its arrays has (link.rs).
+            let (views, flat, depth) = unsafe {
+                (
                     slice(submission.views, submission.view_count as usize),
                     slice(submission.flat, submission.flat_count as usize),
                     slice(submission.depth, submission.depth_count as usize),
-                );
+                )
+            };
+            if armed.follows_passes() && armed.frame.learns() {
+                armed.frame.shown(&armed.objects, views, flat, depth);
             } else {
                 armed.frame.log().begin_next(&armed.objects);
             }
-            write_report(armed, report);
+            // SAFETY: the words of the record begin where it says (link.rs).
+            unsafe { write_report(armed, report) };
             1
         },
     )

@@ -52,25 +52,26 @@ pub unsafe extern "system" fn update(
                 ()
             )
         },
-        // SAFETY: the application's own arguments: so many writes with their arrays, and copies.
-        |answer| unsafe {
-            let Some((known, next)) = device::with(device, |next| next.update_descriptor_sets) else {
-                return;
-            };
-            next(device, write_count, writes, copy_count, copies);
+        |answer| {
+            // SAFETY: `device` is live, by the valid usage of vkUpdateDescriptorSets.
+            let found = unsafe { device::with(device, |next| next.update_descriptor_sets) };
+            let Some((known, next)) = found else { return };
+            // SAFETY: the next layer's function, with the application's own arguments.
+            unsafe { next(device, write_count, writes, copy_count, copies) };
             answer.made();
             let Some(armed) = &known.armed else { return };
+            // SAFETY: the same valid usage demands so many writes and copies.
+            let (writes, copies) = unsafe { (slice(writes, write_count), slice(copies, copy_count)) };
             let descriptors = &armed.objects.descriptors;
-            for write in slice(writes, write_count) {
-                if reads_image(write.descriptor_type) {
-                    let images = slice(write.p_image_info, write.descriptor_count);
-                    for (element, image) in (write.dst_array_element..).zip(images) {
-                        let attachment = descriptors.attachment(&armed.objects, image.image_view);
-                        descriptors.write(write.dst_set, (write.dst_binding, element), attachment);
-                    }
+            for write in writes.iter().filter(|write| reads_image(write.descriptor_type)) {
+                // SAFETY: writes of this type have so many images, by the same valid usage.
+                let images = unsafe { slice(write.p_image_info, write.descriptor_count) };
+                for (element, image) in (write.dst_array_element..).zip(images) {
+                    let attachment = descriptors.attachment(&armed.objects, image.image_view);
+                    descriptors.write(write.dst_set, (write.dst_binding, element), attachment);
                 }
             }
-            for copy in slice(copies, copy_count) {
+            for copy in copies {
                 if descriptors.may_read(copy.src_set) {
                     descriptors.open(copy.dst_set);
                 }

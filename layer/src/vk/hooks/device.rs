@@ -11,13 +11,14 @@ use crate::config::{Arming, device_armed};
 use crate::link::DeviceRecord;
 use crate::status::{Topic, decided};
 use crate::vk::armed::Armed;
-use crate::vk::chain::{self, NextDevice};
+use crate::vk::chain::{self, NextDevice, Saved};
 use crate::vk::device::{self, Device};
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::{ArmedTable, DeviceTable};
 use crate::vk::instance::{self, Instance, properties};
 use crate::vk::{quirks, recording};
 use ash::vk;
+use std::ffi::CStr;
 use std::sync::Arc;
 
 /// `vkCreateDevice`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader.
@@ -27,21 +28,15 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     device: *mut vk::Device,
 ) -> vk::Result {
-    // SAFETY: the application vouches for `info` and `device` (valid usage of vkCreateDevice), the loader for what it put into the
-    // chain, and out of which it reads its own pointers.
-    let before = unsafe { (*device, chain::device_link(info).map(|at| (at, *at))) };
+    // SAFETY: `info` and `device` are valid, by the valid usage of vkCreateDevice; the loader's structure in the chain is valid, by the
+    // layer interface.
+    let before = unsafe { Saved::of(device, chain::device_link(info)) };
     guard(
         "vkCreateDevice",
-        || {
-            let (handle, link) = before;
-            // SAFETY: as above; all is as it was before the hook.
-            unsafe {
-                *device = handle;
-                if let Some((at, link)) = link {
-                    *at = link;
-                }
-                create_tracked(physical_device, info, allocator, device, false).0
-            }
+        // SAFETY: as above, and all is as it was before the hook.
+        || unsafe {
+            before.restore();
+            create_tracked(physical_device, info, allocator, device, false).0
         },
         |answer| {
             // SAFETY: the application's own arguments.
@@ -137,26 +132,26 @@ impl Below<'_> {
     ///
     /// As for [`Self::create`].
     unsafe fn create_with_rates(&self) -> Result<Enabled, NoRates> {
-        // SAFETY: the arguments are valid, as `# Safety` demands. The loader below reads its own pointers out of `device` and
-        // of its structure in the chain, which this attempt may change: a second one needs them as they were.
-        unsafe {
-            let mut room = room::<128>();
-            let mut copies = Copies::new(&mut room);
-            let Self { instance, physical_device, info, .. } = *self;
+        let mut room = room::<128>();
+        let mut copies = Copies::new(&mut room);
+        let Self { instance, physical_device, info, .. } = *self;
+        // SAFETY: the physical device is a live one of the instance, and `info` valid for the time of the call, as `# Safety` demands.
+        let (amended, enabled) = unsafe {
             let version = instance.api_version.min(properties(instance, physical_device).api_version);
-            let (amended, enabled) =
-                attachment::create::device(instance, physical_device, version, &*info, &mut copies)?;
-            let before = *self.device;
-            let link = chain::device_link(info).map(|at| (at, *at));
+            attachment::create::device(instance, physical_device, version, &*info, &mut copies)?
+        };
+        // SAFETY: the handle and the loader's structure are valid, as `# Safety` demands, and written by nobody else.
+        let result = unsafe {
+            let before = Saved::of(self.device, chain::device_link(info));
             let result = (self.create)(physical_device, &amended, self.allocator, self.device);
-            if result == vk::Result::SUCCESS {
-                return Ok(enabled);
+            if result != vk::Result::SUCCESS {
+                before.restore();
             }
-            *self.device = before;
-            if let Some((at, link)) = link {
-                *at = link;
-            }
-            Err(NoRates::Refused(result))
+            result
+        };
+        match result {
+            vk::Result::SUCCESS => Ok(enabled),
+            refused => Err(NoRates::Refused(refused)),
         }
     }
 }
@@ -173,49 +168,66 @@ unsafe fn track(
     next: NextDevice,
     (arming, enabled): (Arming, Option<Enabled>),
 ) -> Option<&'static str> {
-    // SAFETY: the caller vouches for the handles and the pointer.
-    unsafe {
-        let key = DispatchKey::of(device)?;
-        let table = DeviceTable::load(|name| (next.get_device_proc_addr)(device, name.as_ptr()))?;
-        let set_device_loader_data = next.set_device_loader_data.filter(|_| instance.enabled);
-        let properties = properties(instance, physical_device);
-        let api_version = instance.api_version.min(properties.api_version);
-        let is_cpu = properties.device_type == vk::PhysicalDeviceType::CPU;
-        let hooked = ArmedTable::load(api_version, |name| (next.get_device_proc_addr)(device, name.as_ptr()));
-        let is_linked = set_device_loader_data.is_some();
-        let wanted = set_device_loader_data.filter(|_| arming != Arming::Inert);
-        let armed = wanted.map(|set_device_loader_data| {
-            let record = DeviceRecord {
-                instance: instance.handle,
-                physical_device,
-                device,
-                api_version,
-                next_get_instance_proc_addr: instance.get_instance_proc_addr,
-                next_get_device_proc_addr: next.get_device_proc_addr,
-                set_device_loader_data,
-                arming: arming as u32,
-            };
-            let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
-            let wants_masks = rates.is_none() && arming != Arming::Pictures;
-            let masks = wants_masks.then(|| Arc::new(Masks::on(&record, is_cpu)));
-            Arc::new(Armed::new(record, hooked, rates, masks))
-        });
-        let state = match (&armed, instance.enabled) {
-            (Some(_), _) => "armed",
-            (None, false) => "inert",
-            (None, true) if is_linked => {
-                "inert: the configuration enables nothing; an edit takes effect after a restart of the application"
-            }
-            (None, true) => "inert: the Vulkan loader offers no vkSetDeviceLoaderData",
+    let get_device_proc_addr = next.get_device_proc_addr;
+    // SAFETY: the device is a live one of the layer that the pointer belongs to, as `# Safety` demands.
+    let get = |name: &CStr| unsafe { get_device_proc_addr(device, name.as_ptr()) };
+    // SAFETY: the handles are live, as `# Safety` demands.
+    let (key, properties) = unsafe { (DispatchKey::of(device)?, properties(instance, physical_device)) };
+    let api_version = instance.api_version.min(properties.api_version);
+    let is_cpu = properties.device_type == vk::PhysicalDeviceType::CPU;
+    // SAFETY: vkGetDeviceProcAddr returns the device's function of a name, or null.
+    let (table, hooked) = unsafe { (DeviceTable::load(get)?, ArmedTable::load(api_version, get)) };
+    let set_device_loader_data = next.set_device_loader_data.filter(|_| instance.enabled);
+    let is_linked = set_device_loader_data.is_some();
+    let wanted = set_device_loader_data.filter(|_| arming != Arming::Inert);
+    let armed = wanted.map(|set_device_loader_data| {
+        let record = DeviceRecord {
+            instance: instance.handle,
+            physical_device,
+            device,
+            api_version,
+            next_get_instance_proc_addr: instance.get_instance_proc_addr,
+            next_get_device_proc_addr: get_device_proc_addr,
+            set_device_loader_data,
+            arming: arming as u32,
         };
-        device_armed(if armed.is_some() { arming } else { Arming::Inert });
-        if let Some(armed) = &armed {
-            recording::compute::device_made(key, &hooked);
-            recording::draws::device_made(key, armed);
+        // SAFETY: the handles of the record are live, and the pointers those of the layer that made them.
+        unsafe { arm(record, hooked, (arming, enabled), is_cpu) }
+    });
+    let state = match (&armed, instance.enabled) {
+        (Some(_), _) => "armed",
+        (None, false) => "inert",
+        (None, true) if is_linked => {
+            "inert: the configuration enables nothing; an edit takes effect after a restart of the application"
         }
-        device::insert(key, Device::new(armed, table, hooked, next.get_device_proc_addr, is_linked));
-        Some(state)
+        (None, true) => "inert: the Vulkan loader offers no vkSetDeviceLoaderData",
+    };
+    device_armed(if armed.is_some() { arming } else { Arming::Inert });
+    if let Some(armed) = &armed {
+        recording::compute::device_made(key, &hooked);
+        recording::draws::device_made(key, armed);
     }
+    device::insert(key, Device::new(armed, table, hooked, get_device_proc_addr, is_linked));
+    Some(state)
+}
+
+/// The state of a device that is armed: with rate attachments where they are enabled, or else with masks where the passes count.
+///
+/// # Safety
+///
+/// The handles of the record are live and belong together, and its pointers are of the layer that made them.
+unsafe fn arm(
+    record: DeviceRecord,
+    hooked: ArmedTable,
+    (arming, enabled): (Arming, Option<Enabled>),
+    is_cpu: bool,
+) -> Arc<Armed> {
+    // SAFETY: handles and pointers of the record are valid, as `# Safety` demands.
+    let rates = enabled.and_then(|enabled| unsafe { Rates::on(&record, enabled, is_cpu) }).map(Arc::new);
+    let wants_masks = rates.is_none() && arming != Arming::Pictures;
+    // SAFETY: as above.
+    let masks = wants_masks.then(|| Arc::new(unsafe { Masks::on(&record, is_cpu) }));
+    Arc::new(Armed::new(record, hooked, rates, masks))
 }
 
 /// `vkDestroyDevice`.

@@ -24,31 +24,32 @@ pub unsafe extern "system" fn create(
             )
         },
         |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `framebuffer` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_framebuffer) else {
-                    return vk::Result::ERROR_INITIALIZATION_FAILED;
-                };
-                let Some(armed) = &known.armed else {
-                    return answer.record(next(device, info, allocator, framebuffer));
-                };
-                let objects = &armed.objects;
-                let created = Framebuffer::created(objects, &*info);
-                let result = answer.record(match known.rates() {
-                    Some(rates) => {
-                        let pass = objects.render_pass((*info).render_pass);
-                        let color = pass.and_then(|pass| pass.colors.first().copied()).unwrap_or(0);
-                        let target = created.attachments.get(color as usize).copied().flatten();
-                        let target = target.and_then(|target| objects.with_image(target));
-                        rates.create_framebuffer((device, info, allocator, framebuffer), color, target, next)
-                    }
-                    None => next(device, info, allocator, framebuffer),
-                });
-                if result == vk::Result::SUCCESS {
-                    objects.framebuffers.insert(*framebuffer, Arc::new(created));
+            // SAFETY: `device` is live, by the valid usage of vkCreateFramebuffer.
+            let found = unsafe { device::with(device, |next| next.create_framebuffer) };
+            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+            let arguments = (device, info, allocator, framebuffer);
+            // SAFETY: the next layer's function, with the application's own arguments.
+            let create = || unsafe { next(device, info, allocator, framebuffer) };
+            let Some(armed) = &known.armed else { return answer.record(create()) };
+            let objects = &armed.objects;
+            // SAFETY: the pointer is valid, by the same valid usage.
+            let (created, pass) = unsafe { (Framebuffer::created(objects, &*info), (*info).render_pass) };
+            let result = answer.record(match known.rates() {
+                Some(rates) => {
+                    let pass = objects.render_pass(pass);
+                    let color = pass.and_then(|pass| pass.colors.first().copied()).unwrap_or(0);
+                    let target = created.attachments.get(color as usize).copied().flatten();
+                    let target = target.and_then(|target| objects.with_image(target));
+                    // SAFETY: the application's own arguments, and the next layer's function for them.
+                    unsafe { rates.create_framebuffer(arguments, color, target, next) }
                 }
-                result
+                None => create(),
+            });
+            if result == vk::Result::SUCCESS {
+                // SAFETY: the pointer is valid, by the same valid usage, and the call has written the framebuffer.
+                objects.framebuffers.insert(unsafe { *framebuffer }, Arc::new(created));
             }
+            result
         },
     )
 }

@@ -23,31 +23,31 @@ pub unsafe extern "system" fn create(
             )
         },
         |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `image` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_image) else {
-                    return vk::Result::ERROR_INITIALIZATION_FAILED;
-                };
-                let Some(armed) = &known.armed else {
-                    return answer.record(next(device, info, allocator, image));
-                };
-                let mut granted = (*info).usage;
-                let mut result = vk::Result::ERROR_FORMAT_NOT_SUPPORTED;
-                if let Some(usage) = armed.masks.as_ref().and_then(|masks| masks.usage(&*info)) {
-                    let amended = vk::ImageCreateInfo { usage, ..*info };
-                    result = next(device, &amended, allocator, image);
-                    granted = usage;
-                }
-                if result != vk::Result::SUCCESS {
-                    result = next(device, info, allocator, image);
-                    granted = (*info).usage;
-                }
-                let result = answer.record(result);
-                if result == vk::Result::SUCCESS {
-                    armed.objects.add_image(Image::created(*image, &*info, granted));
-                }
-                result
+            // SAFETY: `device` is live, by the valid usage of vkCreateImage.
+            let found = unsafe { device::with(device, |next| next.create_image) };
+            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+            // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
+            let create = |info: *const _| unsafe { next(device, info, allocator, image) };
+            let Some(armed) = &known.armed else { return answer.record(create(info)) };
+            // SAFETY: the pointer is valid, by the same valid usage, for the time of the call.
+            let info = unsafe { &*info };
+            let mut granted = info.usage;
+            let mut result = vk::Result::ERROR_FORMAT_NOT_SUPPORTED;
+            // SAFETY: as above: the chain is valid too.
+            if let Some(usage) = armed.masks.as_ref().and_then(|masks| unsafe { masks.usage(info) }) {
+                result = create(&vk::ImageCreateInfo { usage, ..*info });
+                granted = usage;
             }
+            if result != vk::Result::SUCCESS {
+                result = create(info);
+                granted = info.usage;
+            }
+            let result = answer.record(result);
+            if result == vk::Result::SUCCESS {
+                // SAFETY: the pointer is valid, by the same valid usage, and the call has written the image.
+                armed.objects.add_image(Image::created(unsafe { *image }, info, granted));
+            }
+            result
         },
     )
 }
@@ -92,22 +92,24 @@ pub unsafe extern "system" fn memory_requirements(
             pass_on!(device::with: device, image_memory_requirements(device, info, requirements), ())
         },
         |answer| {
-            // SAFETY: the application's own arguments: `info` and the creation in it are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.image_memory_requirements) else {
-                    return;
-                };
-                let masks = known.armed.as_ref().and_then(|armed| armed.masks.as_ref());
-                let image = (*info).p_create_info;
-                match masks.and_then(|masks| masks.usage(&*image)) {
-                    Some(usage) => {
-                        let image = vk::ImageCreateInfo { usage, ..*image };
-                        let amended = vk::DeviceImageMemoryRequirements { p_create_info: &image, ..*info };
-                        next(device, &amended, requirements);
-                        answer.made();
-                    }
-                    None => next(device, info, requirements),
+            // SAFETY: `device` is live, by the valid usage of vkGetDeviceImageMemoryRequirements.
+            let found = unsafe { device::with(device, |next| next.image_memory_requirements) };
+            let Some((known, next)) = found else { return };
+            let ask = |info: *const _| {
+                // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
+                unsafe { next(device, info, requirements) };
+                answer.made();
+            };
+            let Some(masks) = known.masks() else { return ask(info) };
+            // SAFETY: both pointers are valid, by the same valid usage, for the time of the call.
+            let (info, image) = unsafe { (&*info, &*(*info).p_create_info) };
+            // SAFETY: as above: the chain is valid too.
+            match unsafe { masks.usage(image) } {
+                Some(usage) => {
+                    let image = vk::ImageCreateInfo { usage, ..*image };
+                    ask(&vk::DeviceImageMemoryRequirements { p_create_info: &image, ..*info });
                 }
+                None => ask(info),
             }
         },
     );

@@ -6,11 +6,12 @@ use crate::backend::attachment;
 use crate::config::Arming;
 #[cfg(not(test))]
 use crate::config::Environment;
-use crate::vk::chain::{self, NextInstance};
+use crate::vk::chain::{self, NextInstance, Saved};
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::InstanceTable;
 use crate::vk::instance::{self, Instance};
 use ash::vk;
+use std::ffi::CStr;
 use std::sync::Arc;
 
 /// `vkCreateInstance`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader or
@@ -20,21 +21,15 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     instance: *mut vk::Instance,
 ) -> vk::Result {
-    // SAFETY: the application vouches for `info` and `instance` (valid usage of vkCreateInstance), the loader for what it put
-    // into the chain, and out of which it reads its own pointers.
-    let before = unsafe { (*instance, chain::instance_link(info).map(|at| (at, *at))) };
+    // SAFETY: `info` and `instance` are valid, by the valid usage of vkCreateInstance; the loader's structure in the chain is valid, by
+    // the layer interface.
+    let before = unsafe { Saved::of(instance, chain::instance_link(info)) };
     guard(
         "vkCreateInstance",
-        || {
-            let (handle, link) = before;
-            // SAFETY: as above; all is as it was before the hook.
-            unsafe {
-                *instance = handle;
-                if let Some((at, link)) = link {
-                    *at = link;
-                }
-                create_tracked(info, allocator, instance, false)
-            }
+        // SAFETY: as above, and all is as it was before the hook.
+        || unsafe {
+            before.restore();
+            create_tracked(info, allocator, instance, false)
         },
         |answer| {
             let enablement = Enablement::of_process();
@@ -95,29 +90,28 @@ unsafe fn create_below(
     instance: *mut vk::Instance,
     enabled: bool,
 ) -> vk::Result {
-    // SAFETY: the arguments are valid, as `# Safety` demands. The loader below reads its own pointers out of `instance` and
-    // of its structure in the chain, which the first attempt may have changed.
-    unsafe {
+    if enabled && arming() == Arming::Rates {
         let mut room = room::<64>();
         let mut copies = Copies::new(&mut room);
-        let version = requested_version((*info).p_application_info.as_ref());
-        let wants_rates = enabled && arming() == Arming::Rates;
-        if let Some(amended) =
-            wants_rates.then(|| attachment::create::instance(&*info, version, &mut copies)).flatten()
-        {
-            let before = *instance;
-            let link = chain::instance_link(info).map(|at| (at, *at));
-            let result = create(&amended, allocator, instance);
-            if result == vk::Result::SUCCESS {
-                return result;
-            }
-            *instance = before;
-            if let Some((at, link)) = link {
-                *at = link;
+        // SAFETY: `info` is valid for the time of the call, as `# Safety` demands.
+        let amended = unsafe {
+            let version = requested_version((*info).p_application_info.as_ref());
+            attachment::create::instance(&*info, version, &mut copies)
+        };
+        if let Some(amended) = amended {
+            // SAFETY: the handle and the loader's structure are valid, as `# Safety` demands, and written by nobody else.
+            unsafe {
+                let before = Saved::of(instance, chain::instance_link(info));
+                let result = create(&amended, allocator, instance);
+                if result == vk::Result::SUCCESS {
+                    return result;
+                }
+                before.restore();
             }
         }
-        create(info, allocator, instance)
     }
+    // SAFETY: the arguments are valid, as `# Safety` demands, and as they were.
+    unsafe { create(info, allocator, instance) }
 }
 
 /// Begins to track an instance.
@@ -131,24 +125,25 @@ unsafe fn track(
     next: NextInstance,
     enabled: bool,
 ) -> Option<()> {
-    // SAFETY: the caller vouches for `info`, the handle and the pointer.
-    unsafe {
-        let key = DispatchKey::of(handle)?;
-        let table = InstanceTable::load(|name| (next.get_instance_proc_addr)(handle, name.as_ptr()))?;
-        instance::insert(
-            key,
-            Arc::new(Instance {
-                handle,
-                enabled,
-                api_version: requested_version((*info).p_application_info.as_ref()),
-                engine: engine((*info).p_application_info.as_ref()),
-                next: table,
-                get_instance_proc_addr: next.get_instance_proc_addr,
-                get_physical_device_proc_addr: next.get_physical_device_proc_addr,
-            }),
-        );
-        Some(())
-    }
+    // SAFETY: the instance is live, as `# Safety` demands; vkGetInstanceProcAddr returns its function of a name, or null.
+    let (key, table) = unsafe {
+        let get = |name: &CStr| (next.get_instance_proc_addr)(handle, name.as_ptr());
+        (DispatchKey::of(handle)?, InstanceTable::load(get)?)
+    };
+    // SAFETY: `info` is valid, as `# Safety` demands: the pointer is null or to a valid structure.
+    let application = unsafe { (*info).p_application_info.as_ref() };
+    let instance = Instance {
+        handle,
+        enabled,
+        api_version: requested_version(application),
+        // SAFETY: as above.
+        engine: unsafe { engine(application) },
+        next: table,
+        get_instance_proc_addr: next.get_instance_proc_addr,
+        get_physical_device_proc_addr: next.get_physical_device_proc_addr,
+    };
+    instance::insert(key, Arc::new(instance));
+    Some(())
 }
 
 /// `vkDestroyInstance`.
@@ -176,7 +171,7 @@ fn requested_version(application: Option<&vk::ApplicationInfo<'_>>) -> u32 {
 ///
 /// The structure is valid.
 unsafe fn engine(application: Option<&vk::ApplicationInfo<'_>>) -> String {
-    // SAFETY: the caller vouches for the name, which is null or a string.
+    // SAFETY: the name is null or a string, by the valid usage of VkApplicationInfo.
     let name = application.and_then(|application| unsafe { application.engine_name_as_c_str() });
     name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }

@@ -26,24 +26,23 @@ pub unsafe extern "system" fn create_pipelines(
             )
         },
         |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_graphics_pipelines) else {
-                    return FAILED;
-                };
-                let result = answer.record(match known.rates() {
-                    Some(rates) => {
-                        let functions = (next, known.hooked.destroy_pipeline);
-                        rates.create_pipelines(device, cache, count, infos, allocator, made, functions)
-                    }
-                    None => next(device, cache, count, infos, allocator, made),
-                });
-                // Where some failed, those are null.
-                if let (Some(masks), true) = (known.masks(), result.as_raw() >= 0) {
-                    masks.add_pipelines(infos, made, count);
+            // SAFETY: `device` is live, by the valid usage of vkCreateGraphicsPipelines.
+            let found = unsafe { device::with(device, |next| next.create_graphics_pipelines) };
+            let Some((known, next)) = found else { return FAILED };
+            let result = answer.record(match known.rates() {
+                Some(rates) => {
+                    let functions = (next, known.hooked.destroy_pipeline);
+                    // SAFETY: the application's own arguments, and the next layer's functions for them.
+                    unsafe { rates.create_pipelines(device, cache, count, infos, allocator, made, functions) }
                 }
-                result
+                // SAFETY: the next layer's function, with the application's own arguments.
+                None => unsafe { next(device, cache, count, infos, allocator, made) },
+            });
+            if let (Some(masks), true) = (known.masks(), result.as_raw() >= 0) {
+                // SAFETY: the same valid usage demands `count` structures; the call has written as many pipelines, null for those that failed.
+                unsafe { masks.add_pipelines(infos, made, count) };
             }
+            result
         },
     )
 }

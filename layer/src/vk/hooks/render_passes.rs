@@ -24,29 +24,33 @@ pub unsafe extern "system" fn create(
             )
         },
         |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `pass` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_render_pass) else {
-                    return vk::Result::ERROR_INITIALIZATION_FAILED;
-                };
-                let result = answer.record(match known.rates() {
-                    Some(rates) => {
-                        let next2 = known.hooked.create_render_pass2;
-                        rates.create_render_pass((device, info, allocator, pass), next, next2)
-                    }
-                    None => next(device, info, allocator, pass),
-                });
-                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    let described = Arc::new(RenderPass::of_version_1(&*info));
-                    if let Some(masks) = &armed.masks {
-                        masks.add_render_pass(device, (*pass, &described), &*info, next);
-                        let none = std::ptr::null();
-                        masks.add_compatible(*pass, &described, |made| next(device, info, none, made));
-                    }
-                    armed.objects.render_passes.insert(*pass, described);
+            // SAFETY: `device` is live, by the valid usage of vkCreateRenderPass.
+            let found = unsafe { device::with(device, |next| next.create_render_pass) };
+            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+            let result = answer.record(match known.rates() {
+                Some(rates) => {
+                    let next2 = known.hooked.create_render_pass2;
+                    // SAFETY: the application's own arguments, and the next layer's functions for them.
+                    unsafe { rates.create_render_pass((device, info, allocator, pass), next, next2) }
                 }
-                result
+                // SAFETY: the next layer's function, with the application's own arguments.
+                None => unsafe { next(device, info, allocator, pass) },
+            });
+            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                // SAFETY: both pointers are valid, by the same valid usage, and the call has written the render pass.
+                let (info, pass) = unsafe { (&*info, *pass) };
+                // SAFETY: the structure is that of vkCreateRenderPass.
+                let described = Arc::new(unsafe { RenderPass::of_version_1(info) });
+                if let Some(masks) = &armed.masks {
+                    // SAFETY: `pass` was made of `info` on this device, whose function `next` is.
+                    unsafe { masks.add_render_pass(device, (pass, &described), info, next) };
+                    // SAFETY: the same function, with the arguments that were valid just now and a render pass to write.
+                    let again = |made: &mut _| unsafe { next(device, info, std::ptr::null(), made) };
+                    masks.add_compatible(pass, &described, again);
+                }
+                armed.objects.render_passes.insert(pass, described);
             }
+            result
         },
     )
 }
@@ -69,26 +73,30 @@ pub unsafe extern "system" fn create2(
             )
         },
         |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `pass` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_render_pass2) else {
-                    return vk::Result::ERROR_INITIALIZATION_FAILED;
-                };
-                let result = answer.record(match known.rates() {
-                    Some(rates) => rates.create_render_pass2((device, info, allocator, pass), next),
-                    None => next(device, info, allocator, pass),
-                });
-                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    let described = Arc::new(RenderPass::of_version_2(&*info));
-                    if let Some(masks) = &armed.masks {
-                        masks.add_render_pass2(device, (*pass, &described), &*info, next);
-                        let none = std::ptr::null();
-                        masks.add_compatible(*pass, &described, |made| next(device, info, none, made));
-                    }
-                    armed.objects.render_passes.insert(*pass, described);
+            // SAFETY: `device` is live, by the valid usage of vkCreateRenderPass2.
+            let found = unsafe { device::with(device, |next| next.create_render_pass2) };
+            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+            let result = answer.record(match known.rates() {
+                // SAFETY: the application's own arguments, and the next layer's function for them.
+                Some(rates) => unsafe { rates.create_render_pass2((device, info, allocator, pass), next) },
+                // SAFETY: the next layer's function, with the application's own arguments.
+                None => unsafe { next(device, info, allocator, pass) },
+            });
+            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                // SAFETY: both pointers are valid, by the same valid usage, and the call has written the render pass.
+                let (info, pass) = unsafe { (&*info, *pass) };
+                // SAFETY: the structure is that of vkCreateRenderPass2.
+                let described = Arc::new(unsafe { RenderPass::of_version_2(info) });
+                if let Some(masks) = &armed.masks {
+                    // SAFETY: `pass` was made of `info` on this device, whose function `next` is.
+                    unsafe { masks.add_render_pass2(device, (pass, &described), info, next) };
+                    // SAFETY: the same function, with the arguments that were valid just now and a render pass to write.
+                    let again = |made: &mut _| unsafe { next(device, info, std::ptr::null(), made) };
+                    masks.add_compatible(pass, &described, again);
                 }
-                result
+                armed.objects.render_passes.insert(pass, described);
             }
+            result
         },
     )
 }
@@ -104,24 +112,23 @@ pub unsafe extern "system" fn destroy(
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(device::with: device, destroy_render_pass(device, pass, allocator), ()) },
         |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_render_pass) else {
-                    return;
-                };
-                if let Some(armed) = &known.armed {
-                    armed.objects.render_passes.remove(pass);
-                    let ours = armed.masks.as_ref().and_then(|masks| masks.forget_render_pass(pass));
-                    if let Some(ours) = ours {
-                        next(device, ours, std::ptr::null());
-                    }
+            // SAFETY: `device` is live, by the valid usage of vkDestroyRenderPass.
+            let found = unsafe { device::with(device, |next| next.destroy_render_pass) };
+            let Some((known, next)) = found else { return };
+            if let Some(armed) = &known.armed {
+                armed.objects.render_passes.remove(pass);
+                let ours = armed.masks.as_ref().and_then(|masks| masks.forget_render_pass(pass));
+                if let Some(ours) = ours {
+                    // SAFETY: it was made on this device without an allocator, and nothing uses it any more.
+                    unsafe { next(device, ours, std::ptr::null()) };
                 }
-                if let Some(rates) = known.rates() {
-                    rates.forget_render_pass(pass);
-                }
-                next(device, pass, allocator);
-                answer.made();
             }
+            if let Some(rates) = known.rates() {
+                rates.forget_render_pass(pass);
+            }
+            // SAFETY: the next layer's function, with the application's own arguments.
+            unsafe { next(device, pass, allocator) };
+            answer.made();
         },
     );
 }

@@ -22,24 +22,23 @@ pub unsafe extern "system" fn create(
             pass_on!(device::with: device, create_shaders(device, count, infos, allocator, made), FAILED)
         },
         |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_shaders) else {
-                    return FAILED;
-                };
-                let result = answer.record(match known.rates() {
-                    Some(rates) => {
-                        let functions = (next, known.hooked.destroy_shader);
-                        rates.create_shaders(device, count, infos, allocator, made, functions)
-                    }
-                    None => next(device, count, infos, allocator, made),
-                });
-                if let Some(masks) = known.masks() {
-                    // What could not be made is null.
-                    masks.add_shader_objects(slice(infos, count), slice(made.cast_const(), count));
+            // SAFETY: `device` is live, by the valid usage of vkCreateShadersEXT.
+            let found = unsafe { device::with(device, |next| next.create_shaders) };
+            let Some((known, next)) = found else { return FAILED };
+            let result = answer.record(match known.rates() {
+                Some(rates) => {
+                    let functions = (next, known.hooked.destroy_shader);
+                    // SAFETY: the application's own arguments, and the next layer's functions for them.
+                    unsafe { rates.create_shaders(device, count, infos, allocator, made, functions) }
                 }
-                result
+                // SAFETY: the next layer's function, with the application's own arguments.
+                None => unsafe { next(device, count, infos, allocator, made) },
+            });
+            if let Some(masks) = known.masks() {
+                // SAFETY: the same valid usage demands `count` structures; the call has written as many shaders, null for those that failed.
+                unsafe { masks.add_shader_objects(slice(infos, count), slice(made.cast_const(), count)) };
             }
+            result
         },
     )
 }

@@ -4,7 +4,7 @@ use crate::abi::guard;
 use crate::vk::armed::Armed;
 use crate::vk::chain::extension;
 use crate::vk::device;
-use crate::vk::objects::View;
+use crate::vk::objects::{Objects, View};
 use ash::vk;
 
 /// The usage of a view in the application's view, where its image has more: it must be that of the application's imageless framebuffers.
@@ -42,37 +42,44 @@ pub unsafe extern "system" fn create(
             )
         },
         |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `view` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_image_view) else {
-                    return vk::Result::ERROR_INITIALIZATION_FAILED;
-                };
-                let asked = known.armed.as_ref().and_then(|armed| asked_usage(armed, &*info));
-                let result = answer.record(match asked {
-                    Some(usage) => {
-                        let mut usage = vk::ImageViewUsageCreateInfo::default().usage(usage);
-                        usage.p_next = (*info).p_next;
-                        let p_next = (&raw const usage).cast();
-                        let amended = vk::ImageViewCreateInfo { p_next, ..*info };
-                        next(device, &amended, allocator, view)
-                    }
-                    None => next(device, info, allocator, view),
-                });
-                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    match View::created(&armed.objects, &*info) {
-                        Some(found) => {
-                            if found.is_colour_target {
-                                armed.objects.descriptors.add_view(*view);
-                            }
-                            armed.objects.views.insert(*view, found);
-                        }
-                        None => drop(armed.objects.views.remove(*view)),
-                    }
+            // SAFETY: `device` is live, by the valid usage of vkCreateImageView.
+            let found = unsafe { device::with(device, |next| next.create_image_view) };
+            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+            // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
+            let create = |info: *const _| unsafe { next(device, info, allocator, view) };
+            let Some(armed) = &known.armed else { return answer.record(create(info)) };
+            // SAFETY: the pointer is valid, by the same valid usage, for the time of the call.
+            let info = unsafe { &*info };
+            // SAFETY: as above.
+            let asked = unsafe { asked_usage(armed, info) };
+            let result = answer.record(match asked {
+                Some(usage) => {
+                    let mut usage = vk::ImageViewUsageCreateInfo::default().usage(usage);
+                    usage.p_next = info.p_next;
+                    create(&vk::ImageViewCreateInfo { p_next: (&raw const usage).cast(), ..*info })
                 }
-                result
+                None => create(info),
+            });
+            if result == vk::Result::SUCCESS {
+                // SAFETY: the pointer is valid, by the same valid usage, and the call has written the view.
+                note_created(&armed.objects, unsafe { *view }, View::created(&armed.objects, info));
             }
+            result
         },
     )
+}
+
+/// A view was created; `None` if its image is not known.
+fn note_created(objects: &Objects, view: vk::ImageView, created: Option<View>) {
+    match created {
+        Some(created) => {
+            if created.is_colour_target {
+                objects.descriptors.add_view(view);
+            }
+            objects.views.insert(view, created);
+        }
+        None => drop(objects.views.remove(view)),
+    }
 }
 
 /// `vkDestroyImageView`.

@@ -49,32 +49,32 @@ impl Slot {
         let info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
             .queue_family_index(family);
-        // SAFETY: the device is live, as `# Safety` demands; what is made is destroyed where a later step fails.
-        unsafe {
-            let memory =
-                own.functions.instance.get_physical_device_memory_properties(own.record.physical_device);
-            let pool = device
-                .create_command_pool(&info, None)
-                .map_err(GpuError::from_call("vkCreateCommandPool"))?;
-            let mut slot = Self {
-                pool,
-                commands: vk::CommandBuffer::null(),
-                fence: vk::Fence::null(),
-                memory,
-                staging: None,
-                texels: Vec::new(),
-                words: Vec::new(),
-                kept: Kept::new(),
-                timer: own.timing.own_timer(own.functions, family),
-                work: Work::Maps,
-                is_pending: false,
-            };
-            match slot.make(own, device) {
-                Ok(()) => Ok(slot),
-                Err(error) => {
-                    slot.destroy(device);
-                    Err(error)
-                }
+        // SAFETY: the physical device is that of the live device, as `# Safety` demands.
+        let memory = unsafe {
+            own.functions.instance.get_physical_device_memory_properties(own.record.physical_device)
+        };
+        // SAFETY: the device is live and has that family, as `# Safety` demands.
+        let pool = unsafe { device.create_command_pool(&info, None) }
+            .map_err(GpuError::from_call("vkCreateCommandPool"))?;
+        let mut slot = Self {
+            pool,
+            commands: vk::CommandBuffer::null(),
+            fence: vk::Fence::null(),
+            memory,
+            staging: None,
+            texels: Vec::new(),
+            words: Vec::new(),
+            kept: Kept::new(),
+            timer: own.timing.own_timer(own.functions, family),
+            work: Work::Maps,
+            is_pending: false,
+        };
+        // SAFETY: the pool is a new one of the live device.
+        match unsafe { slot.make(own, device) } {
+            Ok(()) => Ok(slot),
+            Err(error) => {
+                slot.destroy(device);
+                Err(error)
             }
         }
     }
@@ -260,13 +260,15 @@ impl Staging {
         memory: &vk::PhysicalDeviceMemoryProperties,
     ) -> Result<(), GpuError> {
         let coherent = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        // SAFETY: the caller vouches for the buffer; the memory is what it requires.
+        // SAFETY: the buffer is one of the live device, as `# Safety` demands.
+        let requirements = unsafe { device.get_buffer_memory_requirements(self.buffer) };
+        let kind = memory_type(memory, requirements.memory_type_bits, coherent)
+            .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
+        let info =
+            vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
+        // SAFETY: the buffer is new, so that no memory is bound to it; this memory is of the size and type that it requires, and visible to
+        // the host.
         unsafe {
-            let requirements = device.get_buffer_memory_requirements(self.buffer);
-            let kind = memory_type(memory, requirements.memory_type_bits, coherent)
-                .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
-            let info =
-                vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
             self.memory =
                 device.allocate_memory(&info, None).map_err(GpuError::from_call("vkAllocateMemory"))?;
             device

@@ -1,9 +1,10 @@
 //! Commands that bind pipelines and shaders, and set their rate.
 
-use super::{drawing, stencil, with_buffer};
+use super::{Buffer, drawing, stencil, with_buffer};
 use crate::abi::copies::slice;
 use crate::abi::guard;
 use crate::backend::attachment::commands::SetRate;
+use crate::backend::mask::Masks;
 use crate::vk::device;
 use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
 
@@ -20,20 +21,21 @@ pub unsafe extern "system" fn set_rate(
             pass_on!(device::with: buffer, cmd_set_fragment_shading_rate(buffer, size, combiners), ())
         },
         |answer| {
-            // SAFETY: the application's own arguments, which are valid.
-            unsafe {
-                let Some((known, next)) = device::with(buffer, |next| next.cmd_set_fragment_shading_rate)
-                else {
-                    return;
-                };
-                let Some(rates) = known.rates() else {
-                    next(buffer, size, combiners);
-                    return answer.made();
-                };
-                let rate = rates.set_rates.set(buffer, SetRate { size: *size, combiners: *combiners });
-                next(buffer, &rate.size, &rate.combiners);
-                answer.made();
+            // SAFETY: `buffer` is live, by the valid usage of vkCmdSetFragmentShadingRateKHR.
+            let found = unsafe { device::with(buffer, |next| next.cmd_set_fragment_shading_rate) };
+            let Some((known, next)) = found else { return };
+            // SAFETY: the next layer's function, with the application's own arguments or valid ones in their place.
+            let set = |size: *const _, combiners: *const _| unsafe { next(buffer, size, combiners) };
+            match known.rates() {
+                Some(rates) => {
+                    // SAFETY: valid usage demands that both pointers are valid.
+                    let asked = unsafe { SetRate { size: *size, combiners: *combiners } };
+                    let rate = rates.set_rates.set(buffer, asked);
+                    set(&rate.size, &rate.combiners);
+                }
+                None => set(size, combiners),
             }
+            answer.made();
         },
     );
 }
@@ -49,44 +51,51 @@ pub unsafe extern "system" fn bind_pipeline(
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(with_buffer: buffer, cmd_bind_pipeline(buffer, point, pipeline), ()) },
         |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = with_buffer(buffer, |next| next.cmd_bind_pipeline) else {
-                    return;
-                };
-                let bind = |pipeline| {
-                    next(buffer, point, pipeline);
-                    answer.made();
-                };
-                let Some(known) = known else { return bind(pipeline) };
-                if known.armed.masks.is_some() && point == vk::PipelineBindPoint::GRAPHICS {
+            // SAFETY: `buffer` is live, by the valid usage of vkCmdBindPipeline.
+            let found = unsafe { with_buffer(buffer, |next| next.cmd_bind_pipeline) };
+            let Some((known, next)) = found else { return };
+            let bind = |pipeline| {
+                // SAFETY: the next layer's function, with the application's pipeline or a live substitute for it.
+                unsafe { next(buffer, point, pipeline) };
+                answer.made();
+            };
+            let Some(known) = known else { return bind(pipeline) };
+            if point == vk::PipelineBindPoint::GRAPHICS {
+                if known.armed.masks.is_some() {
                     stencil::changes(&known, buffer);
                 }
-                match point {
-                    vk::PipelineBindPoint::GRAPHICS => {
-                        drawing::bind(&known, buffer, pipeline, bind);
-                    }
-                    _ => bind(pipeline),
+                // SAFETY: the command buffer is recording and the pipeline live, by the valid usage of vkCmdBindPipeline.
+                unsafe { drawing::bind(&known, buffer, pipeline, bind) };
+                // SAFETY: as above; the pipeline is bound.
+                unsafe { set_rate_of(&known, buffer, pipeline) };
+            } else {
+                bind(pipeline);
+            }
+            match (&known.armed.masks, point) {
+                (Some(masks), vk::PipelineBindPoint::GRAPHICS) => {
+                    known.recorded().use_pipeline(masks.pipeline(pipeline));
                 }
-                if let (Some(rates), vk::PipelineBindPoint::GRAPHICS) = (&known.armed.rate_attachments, point)
-                    && let Some(pipeline) = rates.pipeline_rate(pipeline)
-                    && let Some(rate) = rates.set_rates.bound(buffer, pipeline)
-                    && let Some(set) = known.armed.next.cmd_set_fragment_shading_rate
-                {
-                    set(buffer, &rate.size, &rate.combiners);
-                }
-                if let Some(masks) = &known.armed.masks {
-                    match point {
-                        vk::PipelineBindPoint::GRAPHICS => {
-                            known.recorded().use_pipeline(masks.pipeline(pipeline));
-                        }
-                        vk::PipelineBindPoint::COMPUTE => known.recorded().compute.bind_pipeline(pipeline),
-                        _ => {}
-                    }
-                }
+                (Some(_), vk::PipelineBindPoint::COMPUTE) => known.recorded().compute.bind_pipeline(pipeline),
+                _ => {}
             }
         },
     );
+}
+
+/// Sets the rate that a graphics pipeline needs now that it is bound, if it leaves its rate to commands.
+///
+/// # Safety
+///
+/// `handle` is this command buffer, which is recording.
+unsafe fn set_rate_of(known: &Buffer, handle: vk::CommandBuffer, pipeline: vk::Pipeline) {
+    if let Some(rates) = &known.armed.rate_attachments
+        && let Some(pipeline) = rates.pipeline_rate(pipeline)
+        && let Some(rate) = rates.set_rates.bound(handle, pipeline)
+        && let Some(set) = known.armed.next.cmd_set_fragment_shading_rate
+    {
+        // SAFETY: the command buffer is recording, as `# Safety` demands, and both are valid; the function is there.
+        unsafe { set(handle, &rate.size, &rate.combiners) };
+    }
 }
 
 /// `vkCmdBindShadersEXT`.
@@ -101,39 +110,48 @@ pub unsafe extern "system" fn bind_shaders(
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(device::with: buffer, cmd_bind_shaders(buffer, count, stages, shaders), ()) },
         |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(buffer, |next| next.cmd_bind_shaders) else { return };
-                let masked = known.masks().zip(super::buffer(buffer));
-                if let Some((_, recording)) = &masked {
-                    drawing::leave(recording, buffer);
-                    stencil::changes(recording, buffer);
-                }
-                next(buffer, count, stages, shaders);
-                answer.made();
-                if let Some(rates) = known.rates()
-                    && let Some(rate) = rates.shaders_bound(buffer, count, stages, shaders)
-                    && let Some(set) = known.hooked.cmd_set_fragment_shading_rate
-                {
-                    set(buffer, &rate.size, &rate.combiners);
-                }
-                if let Some((masks, recording)) = masked {
-                    let stages = slice(stages, count);
-                    let shader = |index| slice(shaders, count).get(index).copied().unwrap_or_default();
-                    let mut recorded = recording.recorded();
-                    for (index, &stage) in stages.iter().enumerate() {
-                        match stage {
-                            vk::ShaderStageFlags::COMPUTE => recorded.compute.bind_shader(shader(index)),
-                            vk::ShaderStageFlags::FRAGMENT => {
-                                recorded.use_pipeline(masks.shader_object(shader(index)));
-                                recorded.drawing.bind_more();
-                            }
-                            // Other stages alone draw no colour, but replace the graphics pipeline as well.
-                            _ => recorded.drawing.bind_more(),
-                        }
-                    }
-                }
+            // SAFETY: `buffer` is live, by the valid usage of vkCmdBindShadersEXT.
+            let found = unsafe { device::with(buffer, |next| next.cmd_bind_shaders) };
+            let Some((known, next)) = found else { return };
+            let masked = known.masks().zip(super::buffer(buffer));
+            if let Some((_, recording)) = &masked {
+                // SAFETY: the command buffer is recording, by the same valid usage.
+                unsafe { drawing::leave(recording, buffer) };
+                stencil::changes(recording, buffer);
+            }
+            // SAFETY: the next layer's function, with the application's own arguments.
+            unsafe { next(buffer, count, stages, shaders) };
+            answer.made();
+            // SAFETY: valid usage demands `count` stages and shaders, or null for the latter.
+            let rate = unsafe {
+                known.rates().and_then(|rates| rates.shaders_bound(buffer, count, stages, shaders))
+            };
+            if let Some((rate, set)) = rate.zip(known.hooked.cmd_set_fragment_shading_rate) {
+                // SAFETY: the command buffer is recording, as above, and both are valid.
+                unsafe { set(buffer, &rate.size, &rate.combiners) };
+            }
+            if let Some((masks, recording)) = masked {
+                // SAFETY: as above: `count` stages, and as many shaders or null.
+                let (stages, shaders) = unsafe { (slice(stages, count), slice(shaders, count)) };
+                note_shaders(&recording, masks, stages, shaders);
             }
         },
     );
+}
+
+/// Shaders were bound to stages; without shaders the stages are unbound.
+fn note_shaders(known: &Buffer, masks: &Masks, stages: &[vk::ShaderStageFlags], shaders: &[vk::ShaderEXT]) {
+    let mut recorded = known.recorded();
+    for (index, &stage) in stages.iter().enumerate() {
+        let shader = shaders.get(index).copied().unwrap_or_default();
+        match stage {
+            vk::ShaderStageFlags::COMPUTE => recorded.compute.bind_shader(shader),
+            vk::ShaderStageFlags::FRAGMENT => {
+                recorded.use_pipeline(masks.shader_object(shader));
+                recorded.drawing.bind_more();
+            }
+            // Other stages alone draw no colour, but replace the graphics pipeline as well.
+            _ => recorded.drawing.bind_more(),
+        }
+    }
 }

@@ -215,28 +215,33 @@ pub unsafe extern "system" fn bind_sets2(
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(with_buffer: handle, cmd_bind_descriptor_sets2(handle, info), ()) },
         |answer| {
-            // SAFETY: the application's own arguments: a valid structure.
-            unsafe {
-                let (info, points) = (&*info, points((*info).stage_flags));
+            // SAFETY: the pointer is valid, by the valid usage of vkCmdBindDescriptorSets2, for the time of the call.
+            let info = unsafe { &*info };
+            // SAFETY: the same valid usage demands so many sets and offsets.
+            let (sets, offsets) = unsafe {
                 let sets = slice(info.p_descriptor_sets, info.descriptor_set_count);
-                let offsets = slice(info.p_dynamic_offsets, info.dynamic_offset_count);
-                if points.contains(&vk::PipelineBindPoint::GRAPHICS) {
-                    draws::bind(handle, info.first_set, sets);
-                }
-                let Some((known, next)) = with_buffer(handle, |next| next.cmd_bind_descriptor_sets2) else {
-                    return;
-                };
-                next(handle, info);
-                answer.made();
-                let Some(known) = known else { return };
-                // A chain may say another layout.
-                if !info.p_next.is_null() {
-                    known.recorded().compute.bind_more();
-                    known.recorded().drawing.bind_more();
-                }
-                for point in points {
-                    note_sets(&known, handle, point, (info.layout, info.first_set, sets, offsets));
-                }
+                (sets, slice(info.p_dynamic_offsets, info.dynamic_offset_count))
+            };
+            let points = points(info.stage_flags);
+            if points.contains(&vk::PipelineBindPoint::GRAPHICS) {
+                // SAFETY: `handle` is live, by the same valid usage.
+                unsafe { draws::bind(handle, info.first_set, sets) };
+            }
+            // SAFETY: `handle` is live, by the same valid usage.
+            let found = unsafe { with_buffer(handle, |next| next.cmd_bind_descriptor_sets2) };
+            let Some((known, next)) = found else { return };
+            // SAFETY: the next layer's function, with the application's own arguments.
+            unsafe { next(handle, info) };
+            answer.made();
+            let Some(known) = known else { return };
+            // A chain may say another layout.
+            if !info.p_next.is_null() {
+                known.recorded().compute.bind_more();
+                known.recorded().drawing.bind_more();
+            }
+            for point in points {
+                // SAFETY: the command buffer is recording, by the same valid usage.
+                unsafe { note_sets(&known, handle, point, (info.layout, info.first_set, sets, offsets)) };
             }
         },
     );
@@ -262,28 +267,35 @@ macro_rules! binds_more {
                 $call,
                 // SAFETY: the application's own arguments.
                 || unsafe { pass_on!(with_buffer: handle, $field(handle, $($argument),*), ()) },
-                |answer| {
-                    // SAFETY: the application's own arguments.
-                    unsafe {
-                        let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
-                        next(handle, $($argument),*);
-                        answer.made();
-                        if let Some(known) = known {
-                            let [computes, is_for_drawing] = $points;
-                            if computes {
-                                known.recorded().compute.bind_more();
-                            }
-                            if is_for_drawing {
-                                draws::bind_unknown(handle);
-                                known.recorded().drawing.bind_more();
-                                drawing::bind_ours_again(&known, handle);
-                            }
-                        }
+                // SAFETY: the application's own arguments: a live command buffer that is recording, and valid pointers.
+                |answer| unsafe {
+                    let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
+                    next(handle, $($argument),*);
+                    answer.made();
+                    if let Some(known) = known {
+                        note_more(&known, handle, $points);
                     }
                 },
             );
         }
     )*};
+}
+
+/// State that is not kept was bound, for computing or for drawing.
+///
+/// # Safety
+///
+/// `handle` is this command buffer, which is recording.
+unsafe fn note_more(known: &Buffer, handle: vk::CommandBuffer, [computes, draws]: [bool; 2]) {
+    if computes {
+        known.recorded().compute.bind_more();
+    }
+    if draws {
+        draws::bind_unknown(handle);
+        known.recorded().drawing.bind_more();
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
+        unsafe { drawing::bind_ours_again(known, handle) };
+    }
 }
 
 binds_more! {

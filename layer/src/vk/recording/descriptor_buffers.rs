@@ -231,27 +231,30 @@ pub unsafe extern "system" fn set_offsets2(
         "vkCmdSetDescriptorBufferOffsets2EXT",
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(with_buffer: handle, cmd_set_descriptor_buffer_offsets2(handle, info), ()) },
-        // SAFETY: the application's own arguments: a valid structure.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_descriptor_buffer_offsets2)
-            else {
-                return;
-            };
-            next(handle, info);
+        |answer| {
+            // SAFETY: `handle` is live, by the valid usage of vkCmdSetDescriptorBufferOffsets2EXT.
+            let found = unsafe { with_buffer(handle, |next| next.cmd_set_descriptor_buffer_offsets2) };
+            let Some((known, next)) = found else { return };
+            // SAFETY: the next layer's function, with the application's own arguments.
+            unsafe { next(handle, info) };
             answer.made();
-            if let Some(known) = known {
-                let (info, points) = (&*info, points((*info).stage_flags));
-                let indices = slice(info.p_buffer_indices, info.set_count);
-                let offsets = slice(info.p_offsets, info.set_count);
-                note(&known, handle, &points, |kept| {
-                    // A chain may say another layout.
-                    kept.has_more |= !info.p_next.is_null();
-                    for &point in &points {
-                        let what = What::Offsets(indices.into(), offsets.into());
-                        kept.set(Call { point, layout: info.layout, first: info.first_set, what });
-                    }
-                });
-            }
+            let Some(known) = known else { return };
+            // SAFETY: the pointer is valid, by the same valid usage, which demands as many indices and offsets as sets.
+            let (info, indices, offsets) = unsafe {
+                let info = &*info;
+                (info, slice(info.p_buffer_indices, info.set_count), slice(info.p_offsets, info.set_count))
+            };
+            let points = points(info.stage_flags);
+            let set = |kept: &mut BufferOffsets| {
+                // A chain may say another layout.
+                kept.has_more |= !info.p_next.is_null();
+                for &point in &points {
+                    let what = What::Offsets(indices.into(), offsets.into());
+                    kept.set(Call { point, layout: info.layout, first: info.first_set, what });
+                }
+            };
+            // SAFETY: the command buffer is recording, by the same valid usage.
+            unsafe { note(&known, handle, &points, set) };
         },
     );
 }

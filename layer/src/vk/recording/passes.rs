@@ -2,8 +2,8 @@
 
 use super::{Buffer, Within, drawing, draws, stencil, timed, with_buffer};
 use crate::abi::guard;
-use crate::backend::mask::{Attachments, DepthWork, MaskMap, Masks, PassContext};
-use crate::pass_detection::{Pass, Target};
+use crate::backend::mask::{Attachments, DepthWork, MaskMap, Masks, OpenMask, PassContext};
+use crate::pass_detection::{Pass, Target, Unmasked};
 use crate::vk::candidates::Candidate;
 use crate::vk::chain::extension;
 use crate::vk::objects::{Objects, RenderPass};
@@ -152,60 +152,62 @@ unsafe fn begin_tracked(
     if let Some(instance) = &instance {
         buffer.leave_targets(instance.left_in());
     }
-    let mut mask = None;
-    let candidate = match (&armed.rate_attachments, &armed.masks) {
+    let (candidate, mask) = match (&armed.rate_attachments, &armed.masks) {
         (Some(rates), _) => {
             let target = pass.as_ref().and_then(|pass| armed.objects.first_color(pass));
-            // SAFETY: as above.
+            // SAFETY: the structure is valid, as above.
             let image = unsafe { rates.begin_render_pass(info, target, begin) };
-            image.map(|image| armed.candidates.with_map(image.key.target, image))
+            (image.map(|image| armed.candidates.with_map(image.key.target, image)), None)
         }
         (None, Some(masks)) => {
-            // SAFETY: as above; the command buffer is recording outside of render passes, as one begins.
-            unsafe {
-                let attachments = instance.as_ref().map(|instance| instance.attachments(masks, &*info));
-                let candidate = pass.as_ref().zip(attachments.as_ref());
-                let candidate = candidate.and_then(|(pass, attachments)| buffer.candidate(pass, attachments));
-                if let (Some(pass), Some(attachments)) = (&mut pass, &attachments) {
-                    let area = (*info).render_area;
-                    let covering = buffer.covering(attachments.depth.map(|depth| depth.target.image));
-                    let context = buffer.context(area, attachments, covering.as_ref());
-                    match masks.begin_pass(
-                        handle,
-                        candidate.as_ref().map(|candidate| (candidate.target, candidate.mask())),
-                        pass,
-                        attachments,
-                        context,
-                        (
-                            |work: DepthWork| match work.covers {
-                                true => Ok(*info),
-                                false => masks.loading_begin(&*info),
-                            },
-                            |mask: Option<&_>| buffer.settle(handle, attachments, area, mask),
-                        ),
-                    ) {
-                        Some((open, loading)) => {
-                            begin(loading.as_ref().map_or(info, std::ptr::from_ref));
-                            mask = Some(open);
-                        }
-                        None => begin(info),
-                    }
-                } else {
-                    buffer.fill_all(handle);
-                    begin(info);
-                }
-                candidate
-            }
+            let instance = instance.as_ref().zip(pass.as_mut());
+            // SAFETY: valid usage of vkCmdBeginRenderPass, as this function requires.
+            unsafe { begin_masked(buffer, masks, handle, info, instance, begin) }
         }
         (None, None) => {
             begin(info);
-            None
+            (None, None)
         }
     };
     buffer.recorded().begin(pass, candidate, mask);
     draws::pass_begins(buffer, handle);
-    // SAFETY: as above; the pass was begun.
+    // SAFETY: the command buffer is recording, as above; the pass was begun.
     unsafe { drawing::pass_begins(buffer, handle) };
+}
+
+/// Begins a render pass with `begin`, with a mask where it may have one: only where its instance is known and followed. Returns its
+/// candidate and its mask.
+///
+/// # Safety
+///
+/// Valid usage of vkCmdBeginRenderPass.
+unsafe fn begin_masked(
+    buffer: &Buffer,
+    masks: &Masks,
+    handle: vk::CommandBuffer,
+    info: *const vk::RenderPassBeginInfo<'_>,
+    instance: Option<(&Instance, &mut Pass)>,
+    begin: impl FnOnce(*const vk::RenderPassBeginInfo<'_>),
+) -> (Option<Arc<Candidate>>, Option<OpenMask>) {
+    let Some((instance, pass)) = instance else {
+        // SAFETY: vkCmdBeginRenderPass is valid only in a command buffer that is recording, outside of render passes.
+        unsafe { buffer.fill_all(handle) };
+        begin(info);
+        return (None, None);
+    };
+    // SAFETY: the pointer is valid, by the valid usage of vkCmdBeginRenderPass, for the time of the call.
+    let structure = unsafe { &*info };
+    // SAFETY: the structure is that of vkCmdBeginRenderPass.
+    let attachments = unsafe { instance.attachments(masks, structure) };
+    let loading = |work: DepthWork| match work.covers {
+        true => Ok(*structure),
+        false => masks.loading_begin(structure),
+    };
+    // SAFETY: vkCmdBeginRenderPass is valid only in a command buffer that is recording, outside of render passes.
+    let (candidate, mask, loading) =
+        unsafe { buffer.open_mask(masks, handle, pass, (&attachments, structure.render_area), loading) };
+    begin(loading.as_ref().map_or(info, std::ptr::from_ref));
+    (candidate, mask)
 }
 
 /// A pass has ended.
@@ -249,6 +251,33 @@ impl Buffer {
         let depth = depth.target.image;
         let count = self.recorded().prepasses.count(depth);
         armed.candidates.known(armed.masks.as_ref()?.chained(depth, count)?)
+    }
+
+    /// Opens the mask of a pass with these attachments and this render area, which is about to begin, and fills ahead of it. Returns the
+    /// pass's candidate, its mask if it has one, and if that needs it the begin of the pass from `loading`.
+    ///
+    /// # Safety
+    ///
+    /// `handle` is this command buffer, which is recording, outside of render passes, and about to begin this pass.
+    pub(super) unsafe fn open_mask<T>(
+        &self,
+        masks: &Masks,
+        handle: vk::CommandBuffer,
+        pass: &mut Pass,
+        (attachments, area): (&Attachments, vk::Rect2D),
+        loading: impl FnOnce(DepthWork) -> Result<T, Unmasked>,
+    ) -> (Option<Arc<Candidate>>, Option<OpenMask>, Option<T>) {
+        let candidate = self.candidate(pass, attachments);
+        let covering = self.covering(attachments.depth.map(|depth| depth.target.image));
+        let context = self.context(area, attachments, covering.as_ref());
+        let target = candidate.as_ref().map(|candidate| (candidate.target, candidate.mask()));
+        // SAFETY: the command buffer is recording outside of render passes, as `# Safety` demands.
+        let settle = |mask: Option<&_>| unsafe { self.settle(handle, attachments, area, mask) };
+        // SAFETY: as above; the attachments are those of the pass that is about to begin.
+        let opened =
+            unsafe { masks.begin_pass(handle, target, pass, attachments, context, (loading, settle)) };
+        let (mask, loading) = opened.unzip();
+        (candidate, mask, loading.flatten())
     }
 
     /// Where a pass of this render area begins, whose depth of several samples holds the template of a mask, or of none.

@@ -1,12 +1,12 @@
 //! Fills that wait in a command buffer for a reader, see [`crate::backend::mask::Pending`].
 
 use super::{Buffer, draws, stencil, timed, with_buffer};
+use crate::abi::copies::slice;
 use crate::abi::guard;
 use crate::backend::mask::{Attachments, MaskMap, Pending};
 use crate::pass_detection::ImageKey;
 use ash::vk;
 use smallvec::SmallVec;
-use std::slice;
 use std::sync::Arc;
 
 impl Buffer {
@@ -118,11 +118,11 @@ impl Buffer {
 /// `vkEndCommandBuffer`.
 pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Result {
     const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
-    // SAFETY: the application's own argument.
     guard(
         "vkEndCommandBuffer",
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(with_buffer: handle, end_command_buffer(handle), FAILED) },
+        // SAFETY: `handle` is live and recording, outside of render passes, by the valid usage of vkEndCommandBuffer.
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.end_command_buffer) else {
                 return FAILED;
@@ -165,25 +165,30 @@ pub unsafe extern "system" fn wait_events(
                 ()
             )
         },
-        // SAFETY: the application's own arguments; `images` are `count`, as the specification demands.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_wait_events) else { return };
+        |answer| {
+            // SAFETY: `handle` is live, by the valid usage of vkCmdWaitEvents.
+            let found = unsafe { with_buffer(handle, |next| next.cmd_wait_events) };
+            let Some((known, next)) = found else { return };
             if let Some(known) = known.filter(|_| count > 0) {
-                known.fill_for(handle, barriers(slice::from_raw_parts(images, count as usize)));
+                // SAFETY: the same valid usage demands `count` barriers of images, and a command buffer that is recording.
+                unsafe { known.fill_for(handle, barriers(slice(images, count))) };
             }
-            next(
-                handle,
-                event_count,
-                events,
-                from,
-                to,
-                memory_count,
-                memory,
-                buffer_count,
-                buffers,
-                count,
-                images,
-            );
+            // SAFETY: the next layer's function, with the application's own arguments.
+            unsafe {
+                next(
+                    handle,
+                    event_count,
+                    events,
+                    from,
+                    to,
+                    memory_count,
+                    memory,
+                    buffer_count,
+                    buffers,
+                    count,
+                    images,
+                );
+            }
             answer.made();
         },
     );
@@ -204,7 +209,7 @@ pub unsafe extern "system" fn wait_events2(
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_wait_events2) else { return };
             if let Some(known) = known.filter(|_| count > 0) {
-                for info in slice::from_raw_parts(infos, count as usize) {
+                for info in slice(infos, count) {
                     known.fill_for(handle, barriers2(info));
                 }
             }
@@ -232,11 +237,8 @@ pub(super) fn barriers<'a>(
 pub(super) unsafe fn barriers2<'a>(
     info: &'a vk::DependencyInfo<'_>,
 ) -> impl Iterator<Item = (vk::Image, vk::ImageLayout, [u32; 2])> + Clone + 'a {
-    let images = match info.image_memory_barrier_count {
-        0 => &[][..],
-        // SAFETY: the caller vouches for the array.
-        count => unsafe { slice::from_raw_parts(info.p_image_memory_barriers, count as usize) },
-    };
+    // SAFETY: the array has that many elements, as `# Safety` demands.
+    let images = unsafe { slice(info.p_image_memory_barriers, info.image_memory_barrier_count) };
     images.iter().map(|barrier| {
         let families = [barrier.src_queue_family_index, barrier.dst_queue_family_index];
         (barrier.image, barrier.new_layout, families)

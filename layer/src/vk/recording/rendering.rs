@@ -1,86 +1,48 @@
 //! Dynamic rendering.
 
 use super::passes::end_tracked;
-use super::{drawing, draws, timed, with_buffer};
+use super::{Buffer, drawing, draws, timed, with_buffer};
+use crate::abi::copies::slice;
 use crate::abi::guard;
-use crate::backend::mask::{DepthWork, rendering_attachments};
+use crate::backend::mask::{DepthWork, Masks, OpenMask, rendering_attachments};
 use crate::pass_detection::{Pass, PassFacts, Target, Unmasked};
+use crate::vk::candidates::Candidate;
 use crate::vk::chain::extension;
 use crate::vk::objects::Objects;
 use ash::vk;
-use std::slice;
+use std::sync::Arc;
 
 /// `vkCmdBeginRendering`.
 pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>) {
-    // SAFETY: the application's own arguments; `info` is valid.
     guard(
         "vkCmdBeginRendering",
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(with_buffer: handle, cmd_begin_rendering(handle, info), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_rendering) else { return };
+        |answer| {
+            // SAFETY: `handle` is live, by the valid usage of vkCmdBeginRendering.
+            let found = unsafe { with_buffer(handle, |next| next.cmd_begin_rendering) };
+            let Some((known, next)) = found else { return };
             let begin = |info: *const vk::RenderingInfo<'_>| {
-                next(handle, info);
+                // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
+                unsafe { next(handle, info) };
                 answer.made();
             };
-            let Some(known) = known.filter(|known| known.armed.follows_passes()) else { return begin(info) };
-            let armed = &known.armed;
-            let mut pass = instance(&armed.objects, &*info);
-            timed::pass_begins(&known, handle, Some(&pass));
-            let mut mask = None;
-            let candidate = match (&armed.rate_attachments, &armed.masks) {
-                (Some(rates), _) => {
-                    let image = rates.begin_rendering(info, armed.objects.first_color(&pass), begin);
-                    image.map(|image| armed.candidates.with_map(image.key.target, image))
-                }
-                (None, Some(masks)) => {
-                    let attachments = rendering_attachments(&armed.objects, &*info);
-                    let candidate = known.candidate(&pass, &attachments);
-                    let area = (*info).render_area;
-                    let covering = known.covering(attachments.depth.map(|depth| depth.target.image));
-                    let context = known.context(area, &attachments, covering.as_ref());
-                    match masks.begin_pass(
-                        handle,
-                        candidate.as_ref().map(|candidate| (candidate.target, candidate.mask())),
-                        &mut pass,
-                        &attachments,
-                        context,
-                        (
-                            |_: DepthWork| loading(&*info),
-                            |mask: Option<&_>| known.settle(handle, &attachments, area, mask),
-                        ),
-                    ) {
-                        Some((open, Some(depth))) => {
-                            begin(&vk::RenderingInfo { p_depth_attachment: &depth, ..*info });
-                            mask = Some(open);
-                        }
-                        Some((open, None)) => {
-                            begin(info);
-                            mask = Some(open);
-                        }
-                        None => begin(info),
-                    }
-                    candidate
-                }
-                (None, None) => {
-                    begin(info);
-                    None
-                }
-            };
-            known.recorded().begin(Some(pass), candidate, mask);
-            draws::pass_begins(&known, handle);
-            drawing::pass_begins(&known, handle);
+            match known.filter(|known| known.armed.follows_passes()) {
+                // SAFETY: the application's own arguments, with the valid usage of vkCmdBeginRendering.
+                Some(known) => unsafe { begin_tracked(&known, handle, info, begin) },
+                None => begin(info),
+            }
         },
     );
 }
 
 /// `vkCmdEndRendering`.
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
-    // SAFETY: the application's own argument.
     guard(
         "vkCmdEndRendering",
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(with_buffer: handle, cmd_end_rendering(handle), ()) },
+        // SAFETY: `handle` is live and recording, by the valid usage of vkCmdEndRendering, and after the call outside of rendering.
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_rendering) else { return };
             next(handle);
@@ -92,31 +54,86 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
     );
 }
 
+/// Begins dynamic rendering with `begin`, with rates or a mask where it may have them, and notes it.
+///
+/// # Safety
+///
+/// Valid usage of vkCmdBeginRendering.
+unsafe fn begin_tracked(
+    buffer: &Buffer,
+    handle: vk::CommandBuffer,
+    info: *const vk::RenderingInfo<'_>,
+    begin: impl FnOnce(*const vk::RenderingInfo<'_>),
+) {
+    let armed = &buffer.armed;
+    // SAFETY: the pointer is valid, by the valid usage of vkCmdBeginRendering.
+    let mut pass = unsafe { instance(&armed.objects, &*info) };
+    // SAFETY: vkCmdBeginRendering is valid only in a command buffer that is recording, outside of render passes.
+    unsafe { timed::pass_begins(buffer, handle, Some(&pass)) };
+    let (candidate, mask) = match (&armed.rate_attachments, &armed.masks) {
+        (Some(rates), _) => {
+            let target = armed.objects.first_color(&pass);
+            // SAFETY: the structure is valid, as above.
+            let image = unsafe { rates.begin_rendering(info, target, begin) };
+            (image.map(|image| armed.candidates.with_map(image.key.target, image)), None)
+        }
+        // SAFETY: valid usage of vkCmdBeginRendering, as this function requires.
+        (None, Some(masks)) => unsafe { begin_masked(buffer, masks, handle, info, &mut pass, begin) },
+        (None, None) => {
+            begin(info);
+            (None, None)
+        }
+    };
+    buffer.recorded().begin(Some(pass), candidate, mask);
+    draws::pass_begins(buffer, handle);
+    // SAFETY: the command buffer is recording, as above; the pass was begun.
+    unsafe { drawing::pass_begins(buffer, handle) };
+}
+
+/// Begins dynamic rendering with `begin`, with a mask where it may have one. Returns its candidate and its mask.
+///
+/// # Safety
+///
+/// Valid usage of vkCmdBeginRendering.
+unsafe fn begin_masked(
+    buffer: &Buffer,
+    masks: &Masks,
+    handle: vk::CommandBuffer,
+    info: *const vk::RenderingInfo<'_>,
+    pass: &mut Pass,
+    begin: impl FnOnce(*const vk::RenderingInfo<'_>),
+) -> (Option<Arc<Candidate>>, Option<OpenMask>) {
+    // SAFETY: the pointer is valid, by the valid usage of vkCmdBeginRendering, for the time of the call.
+    let structure = unsafe { &*info };
+    // SAFETY: the structure is that of vkCmdBeginRendering.
+    let attachments = unsafe { rendering_attachments(&buffer.armed.objects, structure) };
+    // SAFETY: as above.
+    let loading = |_: DepthWork| unsafe { loading(structure) };
+    // SAFETY: vkCmdBeginRendering is valid only in a command buffer that is recording, outside of render passes.
+    let (candidate, mask, depth) =
+        unsafe { buffer.open_mask(masks, handle, pass, (&attachments, structure.render_area), loading) };
+    match depth {
+        Some(depth) => begin(&vk::RenderingInfo { p_depth_attachment: &depth, ..*structure }),
+        None => begin(info),
+    }
+    (candidate, mask)
+}
+
 /// An instance of dynamic rendering.
 ///
 /// # Safety
 ///
 /// Valid usage of vkCmdBeginRendering.
 unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
-    // SAFETY: the caller vouches for the structure, its arrays and its chain.
-    let (colors, depth, stencil, has_own_rates) = unsafe {
-        let colors = match info.color_attachment_count {
-            0 => &[][..],
-            count => slice::from_raw_parts(info.p_color_attachments, count as usize),
-        };
-        let is_attached =
-            |found: &&vk::RenderingAttachmentInfo<'_>| found.image_view != vk::ImageView::null();
-        let has_rates = extension::<vk::RenderingFragmentShadingRateAttachmentInfoKHR<'_>>(info.p_next)
-            .is_some_and(|found| found.image_view != vk::ImageView::null());
-        let has_density =
-            extension::<vk::RenderingFragmentDensityMapAttachmentInfoEXT<'_>>(info.p_next).is_some();
-        (
-            colors,
-            info.p_depth_attachment.as_ref().filter(is_attached),
-            info.p_stencil_attachment.as_ref().filter(is_attached),
-            has_rates || has_density,
-        )
-    };
+    // SAFETY: valid usage demands so many valid structures.
+    let colors = unsafe { slice(info.p_color_attachments, info.color_attachment_count) };
+    let is_attached = |found: &&vk::RenderingAttachmentInfo<'_>| found.image_view != vk::ImageView::null();
+    // SAFETY: valid usage demands that the pointer is null or to a valid structure.
+    let depth = unsafe { info.p_depth_attachment.as_ref() }.filter(is_attached);
+    // SAFETY: as for depth.
+    let stencil = unsafe { info.p_stencil_attachment.as_ref() }.filter(is_attached);
+    // SAFETY: valid usage demands a valid chain.
+    let has_own_rates = unsafe { has_own_rates(info) };
     // Without multiview the pass draws to `layer_count` layers of each view, and with it to those of the mask.
     let target = |view: vk::ImageView| -> Option<Target> {
         let mut target = objects.view(view)?.target;
@@ -151,6 +168,22 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
         unmasked: None,
         draws: None,
     }
+}
+
+/// Whether dynamic rendering has rates of the application's own.
+///
+/// # Safety
+///
+/// Valid usage of vkCmdBeginRendering.
+unsafe fn has_own_rates(info: &vk::RenderingInfo<'_>) -> bool {
+    // SAFETY: valid usage demands a valid chain.
+    let (rates, density) = unsafe {
+        (
+            extension::<vk::RenderingFragmentShadingRateAttachmentInfoKHR<'_>>(info.p_next),
+            extension::<vk::RenderingFragmentDensityMapAttachmentInfoEXT<'_>>(info.p_next),
+        )
+    };
+    rates.is_some_and(|found| found.image_view != vk::ImageView::null()) || density.is_some()
 }
 
 /// The depth attachment, loaded.

@@ -1,91 +1,85 @@
 //! Descriptions of render passes, from either kind of their creation.
 
 use super::{Attachment, RenderPass, Subpass};
+use crate::abi::copies::slice;
 use crate::pass_detection::PassFacts;
 use crate::vk::chain::extension;
 use ash::vk;
 use smallvec::SmallVec;
-use std::slice;
+use std::ffi::c_void;
 
 impl RenderPass {
     /// # Safety
     ///
     /// Valid usage of vkCreateRenderPass.
     pub unsafe fn of_version_1(info: &vk::RenderPassCreateInfo<'_>) -> Self {
-        // SAFETY: the caller vouches for the structure and its chain; arrays have the lengths beside them.
-        unsafe {
-            let multiview = extension::<vk::RenderPassMultiviewCreateInfo<'_>>(info.p_next);
-            let masks = multiview.map_or(&[][..], |found| array(found.p_view_masks, found.subpass_count));
-            let has_density_map =
-                extension::<vk::RenderPassFragmentDensityMapCreateInfoEXT<'_>>(info.p_next).is_some();
-            let references = |first, count| indices(array::<vk::AttachmentReference>(first, count));
-            let subpasses = array(info.p_subpasses, info.subpass_count).iter().enumerate().map(
-                |(index, subpass): (usize, &vk::SubpassDescription<'_>)| Subpass {
-                    colors: references(subpass.p_color_attachments, subpass.color_attachment_count),
-                    resolves: references(subpass.p_resolve_attachments, subpass.color_attachment_count),
-                    depth: subpass.p_depth_stencil_attachment.as_ref().and_then(AttachmentIndex::with_layout),
-                    inputs: references(subpass.p_input_attachments, subpass.input_attachment_count),
-                    view_mask: masks.get(index).copied().unwrap_or(0),
-                    has_own_rates: has_density_map,
-                    resolves_depth: false,
-                },
-            );
-            let attachments = array(info.p_attachments, info.attachment_count).iter();
-            Self::new(
-                attachments
-                    .map(|found: &vk::AttachmentDescription| Attachment {
-                        format: found.format,
-                        samples: found.samples,
-                        load: found.load_op,
-                        store: found.store_op,
-                        stencil_load: found.stencil_load_op,
-                        stencil_store: found.stencil_store_op,
-                        initial_layout: found.initial_layout,
-                        final_layout: found.final_layout,
-                    })
-                    .collect(),
-                subpasses.collect(),
+        // SAFETY: valid usage demands a valid chain.
+        let multiview = unsafe { extension::<vk::RenderPassMultiviewCreateInfo<'_>>(info.p_next) };
+        // SAFETY: valid usage demands so many masks, attachments and subpasses.
+        let (masks, attachments, subpasses) = unsafe {
+            (
+                multiview.map_or(&[][..], |found| slice(found.p_view_masks, found.subpass_count)),
+                slice(info.p_attachments, info.attachment_count),
+                slice(info.p_subpasses, info.subpass_count),
             )
-        }
+        };
+        // SAFETY: as above.
+        let has_own_rates = unsafe { has_density_map(info.p_next) };
+        let attachments = attachments.iter().map(|found| Attachment {
+            format: found.format,
+            samples: found.samples,
+            load: found.load_op,
+            store: found.store_op,
+            stencil_load: found.stencil_load_op,
+            stencil_store: found.stencil_store_op,
+            initial_layout: found.initial_layout,
+            final_layout: found.final_layout,
+        });
+        let subpasses = subpasses.iter().enumerate().map(|(index, found)| {
+            let colors = [found.p_color_attachments, found.p_resolve_attachments];
+            let inputs = (found.p_input_attachments, found.input_attachment_count);
+            // SAFETY: valid usage demands so many references, or null for those of resolves and depth.
+            let described = unsafe {
+                described((colors, found.color_attachment_count), found.p_depth_stencil_attachment, inputs)
+            };
+            Subpass { view_mask: masks.get(index).copied().unwrap_or(0), has_own_rates, ..described }
+        });
+        Self::new(attachments.collect(), subpasses.collect())
     }
 
     /// # Safety
     ///
     /// Valid usage of vkCreateRenderPass2.
     pub unsafe fn of_version_2(info: &vk::RenderPassCreateInfo2<'_>) -> Self {
-        // SAFETY: the caller vouches for the structure and its chain; arrays have the lengths beside them.
-        unsafe {
-            let has_density_map =
-                extension::<vk::RenderPassFragmentDensityMapCreateInfoEXT<'_>>(info.p_next).is_some();
-            let references = |first, count| indices(array::<vk::AttachmentReference2<'_>>(first, count));
-            let subpasses = array(info.p_subpasses, info.subpass_count).iter().map(
-                |subpass: &vk::SubpassDescription2<'_>| Subpass {
-                    colors: references(subpass.p_color_attachments, subpass.color_attachment_count),
-                    resolves: references(subpass.p_resolve_attachments, subpass.color_attachment_count),
-                    depth: subpass.p_depth_stencil_attachment.as_ref().and_then(AttachmentIndex::with_layout),
-                    inputs: references(subpass.p_input_attachments, subpass.input_attachment_count),
-                    view_mask: subpass.view_mask,
-                    has_own_rates: has_density_map || has_rates(subpass),
-                    resolves_depth: resolves_depth(subpass),
-                },
-            );
-            let attachments = array(info.p_attachments, info.attachment_count).iter();
-            Self::new(
-                attachments
-                    .map(|found: &vk::AttachmentDescription2<'_>| Attachment {
-                        format: found.format,
-                        samples: found.samples,
-                        load: found.load_op,
-                        store: found.store_op,
-                        stencil_load: found.stencil_load_op,
-                        stencil_store: found.stencil_store_op,
-                        initial_layout: found.initial_layout,
-                        final_layout: found.final_layout,
-                    })
-                    .collect(),
-                subpasses.collect(),
-            )
-        }
+        // SAFETY: valid usage demands so many attachments and subpasses.
+        let (attachments, subpasses) = unsafe {
+            (slice(info.p_attachments, info.attachment_count), slice(info.p_subpasses, info.subpass_count))
+        };
+        // SAFETY: valid usage demands a valid chain.
+        let has_density_map = unsafe { has_density_map(info.p_next) };
+        let attachments = attachments.iter().map(|found| Attachment {
+            format: found.format,
+            samples: found.samples,
+            load: found.load_op,
+            store: found.store_op,
+            stencil_load: found.stencil_load_op,
+            stencil_store: found.stencil_store_op,
+            initial_layout: found.initial_layout,
+            final_layout: found.final_layout,
+        });
+        let subpasses = subpasses.iter().map(|found| {
+            let colors = [found.p_color_attachments, found.p_resolve_attachments];
+            let inputs = (found.p_input_attachments, found.input_attachment_count);
+            // SAFETY: valid usage demands so many references, or null for those of resolves and depth.
+            let described = unsafe {
+                described((colors, found.color_attachment_count), found.p_depth_stencil_attachment, inputs)
+            };
+            // SAFETY: valid usage demands valid subpasses.
+            let (has_rates, resolves_depth) = unsafe { (has_rates(found), resolves_depth(found)) };
+            let has_own_rates = has_density_map || has_rates;
+            Subpass { view_mask: found.view_mask, has_own_rates, resolves_depth, ..described }
+        });
+        Self::new(attachments.collect(), subpasses.collect())
     }
 
     fn new(attachments: Vec<Attachment>, subpasses: Vec<Subpass>) -> Self {
@@ -191,19 +185,39 @@ impl AttachmentIndex for vk::AttachmentReference2<'_> {
     }
 }
 
-fn indices<R: AttachmentIndex>(references: &[R]) -> SmallVec<[Option<u32>; 4]> {
-    references.iter().map(AttachmentIndex::index).collect()
-}
-
-/// An array of a creation; empty where there is none.
+/// A subpass of these references: those of colours and their resolves, and of inputs, with their counts, and that of depth. The rest is
+/// as without extensions.
 ///
 /// # Safety
 ///
-/// `first` is null, or `count` values are there for `'a`.
-unsafe fn array<'a, T>(first: *const T, count: u32) -> &'a [T] {
-    if first.is_null() || count == 0 {
-        return &[];
+/// Each pointer is null, or to so many references; that of depth is null or to one.
+unsafe fn described<R: AttachmentIndex>(
+    (colors, color_count): ([*const R; 2], u32),
+    depth: *const R,
+    (inputs, input_count): (*const R, u32),
+) -> Subpass {
+    let indices = |references: &[R]| references.iter().map(AttachmentIndex::index).collect();
+    // SAFETY: so many references are there, as `# Safety` demands.
+    let ([colors, resolves], inputs) =
+        unsafe { (colors.map(|first| slice(first, color_count)), slice(inputs, input_count)) };
+    Subpass {
+        colors: indices(colors),
+        resolves: indices(resolves),
+        // SAFETY: the pointer is null or valid, as `# Safety` demands.
+        depth: unsafe { depth.as_ref() }.and_then(AttachmentIndex::with_layout),
+        inputs: indices(inputs),
+        view_mask: 0,
+        has_own_rates: false,
+        resolves_depth: false,
     }
-    // SAFETY: the values are there, as `# Safety` demands.
-    unsafe { slice::from_raw_parts(first, count as usize) }
+}
+
+/// Whether the creation of a render pass has a fragment density map.
+///
+/// # Safety
+///
+/// The chain is valid.
+unsafe fn has_density_map(p_next: *const c_void) -> bool {
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    unsafe { extension::<vk::RenderPassFragmentDensityMapCreateInfoEXT<'_>>(p_next) }.is_some()
 }

@@ -21,28 +21,18 @@ pub fn seen() -> Vec<String> {
 
 /// The stand-in's function of that name, if it is one of these.
 pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
-    type Function = unsafe extern "system" fn();
-    // SAFETY: carried as PFN_vkVoidFunction, cast back by its name.
-    unsafe {
-        Some(match name.to_bytes() {
-            b"vkCreateGraphicsPipelines" => {
-                std::mem::transmute::<vk::PFN_vkCreateGraphicsPipelines, Function>(create_pipelines)
-            }
-            b"vkDestroyPipeline" => {
-                std::mem::transmute::<vk::PFN_vkDestroyPipeline, Function>(destroy_pipeline)
-            }
-            b"vkCreateShadersEXT" => {
-                std::mem::transmute::<vk::PFN_vkCreateShadersEXT, Function>(create_shaders)
-            }
-            b"vkDestroyShaderEXT" => {
-                std::mem::transmute::<vk::PFN_vkDestroyShaderEXT, Function>(destroy_shader)
-            }
-            b"vkGetShaderModuleCreateInfoIdentifierEXT" => {
-                std::mem::transmute::<vk::PFN_vkGetShaderModuleCreateInfoIdentifierEXT, Function>(identify)
-            }
-            _ => return None,
-        })
-    }
+    let address = match name.to_bytes() {
+        b"vkCreateGraphicsPipelines" => create_pipelines as vk::PFN_vkCreateGraphicsPipelines as *const (),
+        b"vkDestroyPipeline" => destroy_pipeline as vk::PFN_vkDestroyPipeline as *const (),
+        b"vkCreateShadersEXT" => create_shaders as vk::PFN_vkCreateShadersEXT as *const (),
+        b"vkDestroyShaderEXT" => destroy_shader as vk::PFN_vkDestroyShaderEXT as *const (),
+        b"vkGetShaderModuleCreateInfoIdentifierEXT" => {
+            identify as vk::PFN_vkGetShaderModuleCreateInfoIdentifierEXT as *const ()
+        }
+        _ => return None,
+    };
+    // SAFETY: the address of a function, carried as PFN_vkVoidFunction and cast back by its name.
+    Some(unsafe { std::mem::transmute::<*const (), unsafe extern "system" fn()>(address) })
 }
 
 /// Writes handles: all but the last where the answer is no success.
