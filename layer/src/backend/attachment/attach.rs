@@ -109,27 +109,21 @@ impl Rates {
         next: vk::PFN_vkCreateRenderPass,
         next2: Option<vk::PFN_vkCreateRenderPass2>,
     ) -> vk::Result {
-        // SAFETY: the arguments are valid, as `# Safety` demands.
-        unsafe {
+        if self.images.stand_in().is_some() {
             let mut room = room::<256>();
             let mut copies = Copies::new(&mut room);
-            if self.images.stand_in().is_none() {
-                return next(device, info, allocator, pass);
+            // SAFETY: the structure is valid, as `# Safety` demands, and amended structures of its chain are the call's for its duration.
+            let amended = unsafe {
+                render_pass::convert(&*info, &mut copies)
+                    .and_then(|info| render_pass::with_rates(&info, &self.capabilities, &mut copies))
+            };
+            // SAFETY: the arguments are valid, as `# Safety` demands.
+            if let Some(result) = unsafe { self.create_amended((device, allocator, pass), amended, next2) } {
+                return result;
             }
-            let converted = render_pass::convert(&*info, &mut copies);
-            let amended =
-                converted.and_then(|info| render_pass::with_rates(&info, &self.capabilities, &mut copies));
-            if let (Ok((amended, added)), Some(next2)) = (&amended, next2) {
-                let result = next2(device, amended, allocator, pass);
-                if self.is_added(result, pass, *added) {
-                    return result;
-                }
-            }
-            self.left_alone(amended.map(|_| ()));
-            // Structures of the application that were amended in place become its own again.
-            drop(copies);
-            next(device, info, allocator, pass)
         }
+        // SAFETY: the application's own arguments; structures that were amended in place are its own again.
+        unsafe { next(device, info, allocator, pass) }
     }
 
     /// `vkCreateRenderPass2`, as [`Self::create_render_pass`].
@@ -142,43 +136,43 @@ impl Rates {
         (device, info, allocator, pass): CreateRenderPass<'_, vk::RenderPassCreateInfo2<'_>>,
         next: vk::PFN_vkCreateRenderPass2,
     ) -> vk::Result {
-        // SAFETY: the arguments are valid, as `# Safety` demands.
-        unsafe {
+        if self.images.stand_in().is_some() {
             let mut room = room::<256>();
             let mut copies = Copies::new(&mut room);
-            if self.images.stand_in().is_none() {
-                return next(device, info, allocator, pass);
+            // SAFETY: as in `create_render_pass`.
+            let amended = unsafe { render_pass::with_rates(&*info, &self.capabilities, &mut copies) };
+            // SAFETY: as in `create_render_pass`.
+            let result = unsafe { self.create_amended((device, allocator, pass), amended, Some(next)) };
+            if let Some(result) = result {
+                return result;
             }
-            let amended = render_pass::with_rates(&*info, &self.capabilities, &mut copies);
-            if let Ok((amended, added)) = &amended {
-                let result = next(device, amended, allocator, pass);
-                if self.is_added(result, pass, *added) {
-                    return result;
-                }
-            }
-            self.left_alone(amended.map(|_| ()));
-            drop(copies);
-            next(device, info, allocator, pass)
         }
+        // SAFETY: as in `create_render_pass`.
+        unsafe { next(device, info, allocator, pass) }
     }
 
+    /// Creates a render pass with rates; `None` if it is to be left alone, or that fails.
+    ///
     /// # Safety
     ///
-    /// `pass` is written where the result is success.
-    unsafe fn is_added(&self, result: vk::Result, pass: *mut vk::RenderPass, added: AddedRates) -> bool {
+    /// Arguments of `vkCreateRenderPass2`, with the amended structure of a valid one; `next` is that function of the device's next layer.
+    unsafe fn create_amended(
+        &self,
+        (device, allocator, pass): (vk::Device, *const vk::AllocationCallbacks<'_>, *mut vk::RenderPass),
+        amended: Result<(vk::RenderPassCreateInfo2<'_>, AddedRates), LeftAlone>,
+        next: Option<vk::PFN_vkCreateRenderPass2>,
+    ) -> Option<vk::Result> {
+        let (amended, added) =
+            amended.inspect_err(|reason| tracing::debug!("no rates for a render pass: {reason}")).ok()?;
+        // SAFETY: the arguments are valid, as `# Safety` demands.
+        let result = unsafe { next?(device, &amended, allocator, pass) };
         if result != vk::Result::SUCCESS {
             GpuError::Call { call: "vkCreateRenderPass2", result }.log("no rates for a render pass");
-            return false;
+            return None;
         }
-        // SAFETY: the caller vouches for it.
+        // SAFETY: the call has written the render pass.
         self.passes.insert(unsafe { *pass }, added);
-        true
-    }
-
-    fn left_alone(&self, result: Result<(), LeftAlone>) {
-        if let Err(reason) = result {
-            tracing::debug!("no rates for a render pass: {reason}");
-        }
+        Some(result)
     }
 
     /// A render pass is about to be destroyed.
@@ -199,43 +193,56 @@ impl Rates {
         target: FirstColour,
         next: vk::PFN_vkCreateFramebuffer,
     ) -> vk::Result {
-        // SAFETY: the arguments are valid, as `# Safety` demands.
-        unsafe {
-            let Some(added) = self.passes.get((*info).render_pass) else {
-                return next(device, info, allocator, made);
-            };
-            let mut room = room::<64>();
-            let mut copies = Copies::new(&mut room);
-            let (amended, attached) = if framebuffer::is_imageless(&*info) {
-                let [width, height, layers] = framebuffer::promised_size(&*info, colour);
-                let (texels, layers) =
-                    (self.capabilities.texels([width, height]), self.capabilities.layers(layers));
-                let Some(image) = self.images.fitting(RateImageKey::shared(texels, layers)) else {
-                    return Self::too_large(&*info);
-                };
-                let RateImageKey { texels, layers, .. } = image.key;
-                let promise = Promise { texels, layers, usage: USAGE };
-                let amended = framebuffer::with_promise(&*info, &promise, &mut copies);
-                (amended, Attached::Promised(image))
-            } else {
-                let layers = if added.views == 0 { (*info).layers } else { added.views };
-                let unknown = || {
-                    let texels = self.capabilities.texels([(*info).width, (*info).height]);
-                    RateImageKey::shared(texels, self.capabilities.layers(layers))
-                };
-                let key = self.key(target).unwrap_or_else(unknown);
-                // Without a view the framebuffer would not fit its render pass.
-                let Some(image) = self.images.fitting(key) else {
-                    return Self::too_large(&*info);
-                };
-                (framebuffer::with_view(&*info, image.view, &mut copies), Attached::Image(image))
-            };
-            let result = next(device, &amended, allocator, made);
-            if result == vk::Result::SUCCESS {
-                self.framebuffers.insert(*made, attached);
-            }
-            result
+        // SAFETY: the structure is valid, as `# Safety` demands, for the time of the call.
+        let asked = unsafe { &*info };
+        // SAFETY: the arguments are valid, as `# Safety` demands, with the application's structure or an amended copy of it.
+        let create = |info: *const _| unsafe { next(device, info, allocator, made) };
+        let Some(added) = self.passes.get(asked.render_pass) else { return create(info) };
+        let mut room = room::<64>();
+        let mut copies = Copies::new(&mut room);
+        // SAFETY: the structure is valid, as above.
+        let amended = unsafe { self.with_rate_image(asked, added, (colour, target), &mut copies) };
+        // Without a view the framebuffer would not fit its render pass.
+        let Some((amended, attached)) = amended else { return Self::too_large(asked) };
+        let result = create(&amended);
+        if result == vk::Result::SUCCESS {
+            // SAFETY: the call has written the framebuffer.
+            self.framebuffers.insert(unsafe { *made }, attached);
         }
+        result
+    }
+
+    /// A framebuffer with a rate image, or where it is imageless with the promise of one. `None` if no image is as large.
+    ///
+    /// # Safety
+    ///
+    /// `info` is valid (valid usage of vkCreateFramebuffer). The result points to memory of `info` and of `copies`.
+    unsafe fn with_rate_image<'c>(
+        &self,
+        info: &vk::FramebufferCreateInfo<'c>,
+        added: AddedRates,
+        (colour, target): (u32, FirstColour),
+        copies: &mut Copies<'_>,
+    ) -> Option<(vk::FramebufferCreateInfo<'c>, Attached)> {
+        let shared = |size, layers| {
+            RateImageKey::shared(self.capabilities.texels(size), self.capabilities.layers(layers))
+        };
+        if framebuffer::is_imageless(info) {
+            // SAFETY: the structure is valid, as `# Safety` demands.
+            let [width, height, layers] = unsafe { framebuffer::promised_size(info, colour) };
+            let image = self.images.fitting(shared([width, height], layers))?;
+            let RateImageKey { texels, layers, .. } = image.key;
+            let promise = Promise { texels, layers, usage: USAGE };
+            // SAFETY: as above.
+            let amended = unsafe { framebuffer::with_promise(info, &promise, copies) };
+            return Some((amended, Attached::Promised(image)));
+        }
+        let layers = if added.views == 0 { info.layers } else { added.views };
+        let key = self.key(target).unwrap_or_else(|| shared([info.width, info.height], layers));
+        let image = self.images.fitting(key)?;
+        // SAFETY: as above.
+        let amended = unsafe { framebuffer::with_view(info, image.view, copies) };
+        Some((amended, Attached::Image(image)))
     }
 
     /// No image goes with a framebuffer, which is larger than the device says that it can be.
@@ -272,28 +279,27 @@ impl Rates {
         target: FirstColour,
         begin: impl FnOnce(*const vk::RenderPassBeginInfo<'_>),
     ) -> Option<Arc<RateImage>> {
-        // SAFETY: the structure is valid, by the valid usage of vkCmdBeginRenderPass.
-        unsafe {
-            match self.framebuffers.get((*info).framebuffer) {
-                None => {
-                    begin(info);
-                    None
-                }
-                Some(Attached::Image(image)) => {
-                    begin(info);
-                    Some(image)
-                }
-                Some(Attached::Promised(promised)) => {
-                    let (texels, layers) = (promised.key.texels, promised.key.layers);
-                    let key = self.key(target).filter(|key| (key.texels, key.layers) == (texels, layers));
-                    let image = key.and_then(|key| self.images.of(key)).unwrap_or(promised);
-                    let mut room = room::<64>();
-                    let mut copies = Copies::new(&mut room);
-                    begin(&framebuffer::begin_with_view(&*info, image.view, &mut copies));
-                    Some(image)
-                }
+        // SAFETY: the pointer is valid, by the valid usage of vkCmdBeginRenderPass, for the time of the call.
+        let asked = unsafe { &*info };
+        let promised = match self.framebuffers.get(asked.framebuffer) {
+            Some(Attached::Promised(promised)) => promised,
+            Some(Attached::Image(image)) => {
+                begin(info);
+                return Some(image);
             }
-        }
+            None => {
+                begin(info);
+                return None;
+            }
+        };
+        let (texels, layers) = (promised.key.texels, promised.key.layers);
+        let key = self.key(target).filter(|key| (key.texels, key.layers) == (texels, layers));
+        let image = key.and_then(|key| self.images.of(key)).unwrap_or(promised);
+        let mut room = room::<64>();
+        let mut copies = Copies::new(&mut room);
+        // SAFETY: the structure is that of vkCmdBeginRenderPass, for an imageless framebuffer.
+        begin(&unsafe { framebuffer::begin_with_view(asked, image.view, &mut copies) });
+        Some(image)
     }
 
     /// Calls `begin` with the amended dynamic rendering, and returns the rate image that it reads, or would read
@@ -308,26 +314,27 @@ impl Rates {
         target: FirstColour,
         begin: impl FnOnce(*const vk::RenderingInfo<'_>),
     ) -> Option<Arc<RateImage>> {
-        // SAFETY: the structure is valid, by the valid usage of vkCmdBeginRendering.
-        unsafe {
-            let wants = self.attaches_to_rendering() && rendering::wants_rates(&*info).is_ok();
-            let key = self.key(target).filter(|_| wants);
-            let Some(image) = key.and_then(|key| self.images.of(key)) else {
-                begin(info);
-                return None;
-            };
-            // Pipelines with the flag for attachments may be used without one. A pass that is suspended and
-            // resumed must have the same attachments throughout (vkCmdBeginRendering).
-            let is_matched = image.is_matched() && !rendering::is_suspended(&*info);
-            if self.attaches_only_matched && !is_matched {
-                begin(info);
-                return Some(image);
-            }
-            let mut room = room::<64>();
-            let mut copies = Copies::new(&mut room);
-            begin(&rendering::with_view(&*info, image.view, &self.capabilities, &mut copies));
-            Some(image)
+        // SAFETY: the pointer is valid, by the valid usage of vkCmdBeginRendering, for the time of the call.
+        let asked = unsafe { &*info };
+        // SAFETY: the structure is that of vkCmdBeginRendering.
+        let wants = self.attaches_to_rendering() && unsafe { rendering::wants_rates(asked) }.is_ok();
+        let key = self.key(target).filter(|_| wants);
+        let Some(image) = key.and_then(|key| self.images.of(key)) else {
+            begin(info);
+            return None;
+        };
+        // Pipelines with the flag for attachments may be used without one. A pass that is suspended and
+        // resumed must have the same attachments throughout (vkCmdBeginRendering).
+        let is_matched = image.is_matched() && !rendering::is_suspended(asked);
+        if self.attaches_only_matched && !is_matched {
+            begin(info);
+            return Some(image);
         }
+        let mut room = room::<64>();
+        let mut copies = Copies::new(&mut room);
+        // SAFETY: as above.
+        begin(&unsafe { rendering::with_view(asked, image.view, &self.capabilities, &mut copies) });
+        Some(image)
     }
 
     fn key(&self, target: FirstColour) -> Option<RateImageKey> {

@@ -7,6 +7,7 @@ use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::quirks::{Effect, Quirks};
 use smallvec::SmallVec;
 use std::ffi::CStr;
+use std::mem::transmute;
 
 /// Rates and sizes for plans, and their limits.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,21 +92,13 @@ impl Questions {
         let properties2 = function(c"vkGetPhysicalDeviceProperties2", c"vkGetPhysicalDeviceProperties2KHR")?;
         let name = c"vkGetPhysicalDeviceFragmentShadingRatesKHR";
         let rates = function(name, name)?;
+        type Function = unsafe extern "system" fn();
         // SAFETY: the names give the types.
         unsafe {
             Ok(Self {
-                features2: std::mem::transmute::<
-                    unsafe extern "system" fn(),
-                    vk::PFN_vkGetPhysicalDeviceFeatures2,
-                >(features2),
-                properties2: std::mem::transmute::<
-                    unsafe extern "system" fn(),
-                    vk::PFN_vkGetPhysicalDeviceProperties2,
-                >(properties2),
-                rates: std::mem::transmute::<
-                    unsafe extern "system" fn(),
-                    vk::PFN_vkGetPhysicalDeviceFragmentShadingRatesKHR,
-                >(rates),
+                features2: transmute::<Function, vk::PFN_vkGetPhysicalDeviceFeatures2>(features2),
+                properties2: transmute::<Function, vk::PFN_vkGetPhysicalDeviceProperties2>(properties2),
+                rates: transmute::<Function, vk::PFN_vkGetPhysicalDeviceFragmentShadingRatesKHR>(rates),
             })
         }
     }

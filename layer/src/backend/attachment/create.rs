@@ -70,55 +70,56 @@ pub unsafe fn device<'c>(
     info: &vk::DeviceCreateInfo<'c>,
     copies: &mut Copies<'_>,
 ) -> Result<(vk::DeviceCreateInfo<'c>, Enabled), NoRates> {
-    // SAFETY: the caller vouches for all of it.
-    unsafe {
-        if let Some(other) = excluding(info) {
-            return Err(NoRates::Excluded(other));
-        }
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    let (excluding, libraries) = unsafe {
+        let libraries = find::<vk::PhysicalDeviceGraphicsPipelineLibraryFeaturesEXT<'_>>(info.p_next);
+        (excluding(info), libraries)
+    };
+    if let Some(other) = excluding {
+        return Err(NoRates::Excluded(other));
+    }
+    // SAFETY: `info` is valid, as `# Safety` demands: so many names and queues.
+    let (names, queues) = unsafe {
         let names = Names::new(info.pp_enabled_extension_names, info.enabled_extension_count);
-        let missing = NEEDED.iter().filter(|(name, built_in)| api_version < *built_in && !names.has(name));
-        let needed: Vec<&'static CStr> = missing.map(|(name, _)| *name).collect();
-        let offered = extensions_of(instance, physical_device);
-        let is_offered =
-            |name: &CStr| offered.iter().any(|other| other.extension_name_as_c_str() == Ok(name));
-        if let Some(missing) = needed.iter().find(|name| !is_offered(name)) {
-            return Err(NoRates::Extension(missing));
-        }
+        (names, slice(info.p_queue_create_infos, info.queue_create_info_count))
+    };
+    let missing = NEEDED.iter().filter(|(name, built_in)| api_version < *built_in && !names.has(name));
+    let needed: Vec<&'static CStr> = missing.map(|(name, _)| *name).collect();
+    // SAFETY: the physical device is a live one of the instance, as `# Safety` demands.
+    let offered = unsafe { extensions_of(instance, physical_device) };
+    let is_offered = |name: &CStr| offered.iter().any(|other| other.extension_name_as_c_str() == Ok(name));
+    if let Some(missing) = needed.iter().find(|name| !is_offered(name)) {
+        return Err(NoRates::Extension(missing));
+    }
+    let has_driver_id = api_version >= vk::API_VERSION_1_2 || is_offered(vk::KHR_DRIVER_PROPERTIES_NAME);
+    // SAFETY: instance and physical device are live, as `# Safety` demands, and the latter offers what is asked about.
+    let (capabilities, quirks) = unsafe {
         let questions = Questions::new(instance)?;
-        let has_driver_id = api_version >= vk::API_VERSION_1_2 || is_offered(vk::KHR_DRIVER_PROPERTIES_NAME);
         let driver_id = has_driver_id.then(|| questions.driver_id(physical_device));
         let quirks = quirks::of_device(&properties(instance, physical_device), driver_id);
-        let capabilities = questions.ask(physical_device)?.limited(&quirks);
-        let (first, count) = names.with(&needed, copies);
-        let has_format_lists =
-            api_version >= vk::API_VERSION_1_2 || names.has(vk::KHR_IMAGE_FORMAT_LIST_NAME);
-        let libraries = find::<vk::PhysicalDeviceGraphicsPipelineLibraryFeaturesEXT<'_>>(info.p_next);
-        let links_pipelines =
-            libraries.is_some_and(|features| features.graphics_pipeline_library == vk::TRUE);
-        let application_sets_rates = names.has(vk::KHR_FRAGMENT_SHADING_RATE_NAME);
-        let mut families: Vec<u32> = slice(info.p_queue_create_infos, info.queue_create_info_count)
-            .iter()
-            .map(|queues| queues.queue_family_index)
-            .collect();
-        families.sort_unstable();
-        families.dedup();
-        let p_next = with_features(info.p_next, copies);
-        let amended = vk::DeviceCreateInfo {
-            p_next,
-            pp_enabled_extension_names: first,
-            enabled_extension_count: count,
-            ..*info
-        };
-        let enabled = Enabled {
-            capabilities,
-            quirks,
-            families,
-            has_format_lists,
-            application_sets_rates,
-            links_pipelines,
-        };
-        Ok((amended, enabled))
-    }
+        (questions.ask(physical_device)?.limited(&quirks), quirks)
+    };
+    let (first, count) = names.with(&needed, copies);
+    let mut families: Vec<u32> = queues.iter().map(|queues| queues.queue_family_index).collect();
+    families.sort_unstable();
+    families.dedup();
+    let amended = vk::DeviceCreateInfo {
+        // SAFETY: the chain is valid, as above.
+        p_next: unsafe { with_features(info.p_next, copies) },
+        pp_enabled_extension_names: first,
+        enabled_extension_count: count,
+        ..*info
+    };
+    let has_format_lists = api_version >= vk::API_VERSION_1_2 || names.has(vk::KHR_IMAGE_FORMAT_LIST_NAME);
+    let enabled = Enabled {
+        capabilities,
+        quirks,
+        families,
+        has_format_lists,
+        application_sets_rates: names.has(vk::KHR_FRAGMENT_SHADING_RATE_NAME),
+        links_pipelines: libraries.is_some_and(|found| found.graphics_pipeline_library == vk::TRUE),
+    };
+    Ok((amended, enabled))
 }
 
 /// The extension, and those that it depends on, each with the first version of Vulkan that has it built in.

@@ -40,34 +40,38 @@ pub unsafe fn with_rates<'c>(
     linked: impl Fn(vk::Pipeline) -> Option<PipelineRate>,
     copies: &mut Copies<'_>,
 ) -> (vk::GraphicsPipelineCreateInfo<'c>, PipelineRate) {
-    // SAFETY: the caller vouches for the structure and its chain.
-    unsafe {
-        let (flags, p_next) = with_flag(info, copies);
-        let mut amended = vk::GraphicsPipelineCreateInfo { flags, p_next, ..*info };
-        let own = own_parts(info);
-        let inherited = libraries(info).iter().filter_map(|&library| linked(library)).reduce(more_careful);
-        if !own.intersects(SHADING) {
-            return (amended, inherited.unwrap_or(PipelineRate::Fixed));
-        }
+    // SAFETY: the structure and its chain are valid, as `# Safety` demands.
+    let (own, libraries, (flags, p_next)) =
+        unsafe { (own_parts(info), libraries(info), with_flag(info, copies)) };
+    let mut amended = vk::GraphicsPipelineCreateInfo { flags, p_next, ..*info };
+    let inherited = libraries.iter().filter_map(|&library| linked(library)).reduce(more_careful);
+    if !own.intersects(SHADING) {
+        return (amended, inherited.unwrap_or(PipelineRate::Fixed));
+    }
+    // SAFETY: as above; state of its own parts is valid.
+    let (every_pixel, sets_rates, is_fixed) = unsafe {
         let every_pixel =
             own.contains(Parts::FRAGMENT_SHADER) && must_shade_every_pixel(info, own, capabilities, effects);
-        if sets_rates(info) {
-            return (amended, merged(inherited, PipelineRate::Application { every_pixel }));
-        }
-        if has_own_rate(info) || is_discarded(info, own) {
-            return (amended, merged(inherited, PipelineRate::Fixed));
-        }
-        let combiner =
-            if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { capabilities.combiner() };
-        if own.contains(SHADING) {
-            if !every_pixel {
-                amended.p_next = with_combiner(amended.p_next, combiner, copies);
-            }
-            return (amended, PipelineRate::Fixed);
-        }
-        amended.p_dynamic_state = with_dynamic_rate(info, copies);
-        (amended, merged(inherited, PipelineRate::AtBind(combiner)))
+        (every_pixel, sets_rates(info), has_own_rate(info) || is_discarded(info, own))
+    };
+    if sets_rates {
+        return (amended, merged(inherited, PipelineRate::Application { every_pixel }));
     }
+    if is_fixed {
+        return (amended, merged(inherited, PipelineRate::Fixed));
+    }
+    let combiner =
+        if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { capabilities.combiner() };
+    if own.contains(SHADING) {
+        if !every_pixel {
+            // SAFETY: the amended chain is as valid as the application's.
+            amended.p_next = unsafe { with_combiner(amended.p_next, combiner, copies) };
+        }
+        return (amended, PipelineRate::Fixed);
+    }
+    // SAFETY: the dynamic state is null or valid, as above.
+    amended.p_dynamic_state = unsafe { with_dynamic_rate(info, copies) };
+    (amended, merged(inherited, PipelineRate::AtBind(combiner)))
 }
 
 fn merged(inherited: Option<PipelineRate>, own: PipelineRate) -> PipelineRate {
@@ -203,23 +207,26 @@ unsafe fn must_shade_every_pixel(
     effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
 ) -> bool {
     let limits = &capabilities.limits;
-    // SAFETY: the caller vouches for the structure, which has a fragment shader part. Without rasterisation the
-    // multisample state is ignored.
+    // SAFETY: the structure is valid, as `# Safety` demands.
+    if unsafe { is_discarded(info, own) } {
+        return false;
+    }
+    // SAFETY: as above: stages and multisample state are of the part with the fragment shader, rasterisation state of another part; neither
+    // state is ignored, as the pipeline rasterises.
+    let (stages, multisample, rasterization) = unsafe {
+        let rasterizes = own.contains(Parts::PRE_RASTERIZATION_SHADERS);
+        let rasterization = if rasterizes { info.p_rasterization_state.as_ref() } else { None };
+        (slice(info.p_stages, info.stage_count), info.p_multisample_state.as_ref(), rasterization)
+    };
+    let fragment = stages.iter().find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
+    if limits.need_every_pixel(fragment.map_or(Effects::default(), effects)) {
+        return true;
+    }
+    // SAFETY: both are valid, as above.
     unsafe {
-        if is_discarded(info, own) {
-            return false;
-        }
-        let fragment = slice(info.p_stages, info.stage_count)
-            .iter()
-            .find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
-        if limits.need_every_pixel(fragment.map_or(Effects::default(), effects)) {
-            return true;
-        }
-        let multisample = info.p_multisample_state.as_ref();
         multisample.is_some_and(|state| is_too_fine(state, limits))
-            || (own.contains(Parts::PRE_RASTERIZATION_SHADERS)
-                && !limits.conservative_rasterization
-                && info.p_rasterization_state.as_ref().is_some_and(|state| is_conservative(state)))
+            || (!limits.conservative_rasterization
+                && rasterization.is_some_and(|state| is_conservative(state)))
     }
 }
 

@@ -35,45 +35,46 @@ impl Rates {
         made: *mut vk::Pipeline,
         (next, destroy): (vk::PFN_vkCreateGraphicsPipelines, Option<vk::PFN_vkDestroyPipeline>),
     ) -> vk::Result {
-        // SAFETY: the arguments are valid, as `# Safety` demands; handles are written also where some are null.
-        unsafe {
-            let mut room = room::<128>();
-            let mut copies = Copies::new(&mut room);
-            let (amended, rates): (Vec<_>, Vec<_>) = slice(infos, count)
-                .iter()
-                .map(|info| {
-                    with_rates(
-                        info,
-                        &self.capabilities,
-                        |stage| self.modules.effects(stage),
-                        |library| self.pipelines.get(library),
-                        &mut copies,
-                    )
-                })
-                .unzip();
-            let result = next(device, cache, count, amended.as_ptr(), allocator, made);
-            if may_be_ours(result) {
-                // Structures of the application that were amended in place become its own again.
-                drop((amended, copies));
-                GpuError::Call { call: "vkCreateGraphicsPipelines", result }
-                    .log("pipelines stay unchanged, at 1x1");
-                for &pipeline in slice(made.cast_const(), count) {
-                    if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
-                        destroy(device, pipeline, allocator);
-                    }
-                }
-                if slice(infos, count).iter().any(|info| info.render_pass == vk::RenderPass::null()) {
-                    self.leave_rendering_alone();
-                }
-                return next(device, cache, count, infos, allocator, made);
-            }
-            for (&pipeline, rate) in slice(made.cast_const(), count).iter().zip(rates) {
-                if pipeline != vk::Pipeline::null() && rate != PipelineRate::Fixed {
-                    self.pipelines.insert(pipeline, rate);
+        let mut room = room::<128>();
+        let mut copies = Copies::new(&mut room);
+        // SAFETY: valid usage demands so many structures.
+        let asked = unsafe { slice(infos, count) };
+        let amended = asked.iter().map(|info| {
+            // SAFETY: valid usage demands valid stages.
+            let effects =
+                |stage: &vk::PipelineShaderStageCreateInfo<'_>| unsafe { self.modules.effects(stage) };
+            let linked = |library| self.pipelines.get(library);
+            // SAFETY: the structure is valid, and its chain the call's for its duration.
+            unsafe { with_rates(info, &self.capabilities, effects, linked, &mut copies) }
+        });
+        let (amended, rates): (Vec<_>, Vec<_>) = amended.unzip();
+        // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
+        let result = unsafe { next(device, cache, count, amended.as_ptr(), allocator, made) };
+        // SAFETY: the call has written so many handles, null for pipelines that failed.
+        let pipelines = unsafe { slice(made.cast_const(), count) };
+        if may_be_ours(result) {
+            // Structures of the application that were amended in place become its own again.
+            drop((amended, copies));
+            GpuError::Call { call: "vkCreateGraphicsPipelines", result }
+                .log("pipelines stay unchanged, at 1x1");
+            for &pipeline in pipelines {
+                if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
+                    // SAFETY: it was just made with this allocator, and nobody has seen it.
+                    unsafe { destroy(device, pipeline, allocator) };
                 }
             }
-            result
+            if asked.iter().any(|info| info.render_pass == vk::RenderPass::null()) {
+                self.leave_rendering_alone();
+            }
+            // SAFETY: the application's own arguments.
+            return unsafe { next(device, cache, count, infos, allocator, made) };
         }
+        for (&pipeline, rate) in pipelines.iter().zip(rates) {
+            if pipeline != vk::Pipeline::null() && rate != PipelineRate::Fixed {
+                self.pipelines.insert(pipeline, rate);
+            }
+        }
+        result
     }
 }
 

@@ -46,34 +46,37 @@ pub unsafe fn with_rates<'c>(
     capabilities: &RateCapabilities,
     copies: &mut Copies<'_>,
 ) -> Result<(vk::RenderPassCreateInfo2<'c>, AddedRates), LeftAlone> {
-    // SAFETY: the caller vouches for the structure and what it points to.
-    unsafe {
-        let attachments = slice(info.p_attachments, info.attachment_count);
-        let subpasses = slice(info.p_subpasses, info.subpass_count);
-        if subpasses.iter().any(|subpass| has_own_rates(subpass)) {
-            return Err(LeftAlone::OwnRates);
-        }
-        if !subpasses.iter().any(|subpass| draws_colour(subpass)) {
-            return Err(LeftAlone::NoColour);
-        }
-        let index = info.attachment_count;
-        let reference = copies.one(
-            vk::AttachmentReference2::default()
-                .attachment(index)
-                .layout(vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR),
-        );
-        let attached: Vec<_> =
-            subpasses.iter().map(|subpass| attach(subpass, reference, capabilities, copies)).collect();
-        let all: Vec<_> = attachments.iter().copied().chain([rate_attachment()]).collect();
-        let views = subpasses.iter().fold(0, |all, subpass| all | subpass.view_mask);
-        let amended = vk::RenderPassCreateInfo2 {
-            attachment_count: index + 1,
-            p_attachments: copies.many(all.iter().copied()),
-            p_subpasses: copies.many(attached.iter().copied()),
-            ..*info
-        };
-        Ok((amended, AddedRates { attachment: index, views: u32::BITS - views.leading_zeros() }))
+    // SAFETY: valid usage demands so many attachments and subpasses.
+    let (attachments, subpasses) = unsafe {
+        (slice(info.p_attachments, info.attachment_count), slice(info.p_subpasses, info.subpass_count))
+    };
+    // SAFETY: valid usage demands valid subpasses.
+    if subpasses.iter().any(|subpass| unsafe { has_own_rates(subpass) }) {
+        return Err(LeftAlone::OwnRates);
     }
+    // SAFETY: as above.
+    if !subpasses.iter().any(|subpass| unsafe { draws_colour(subpass) }) {
+        return Err(LeftAlone::NoColour);
+    }
+    let index = info.attachment_count;
+    let reference = vk::AttachmentReference2::default()
+        .attachment(index)
+        .layout(vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR);
+    let reference = (index, copies.one(reference).cast_const());
+    let attached: Vec<_> = subpasses
+        .iter()
+        // SAFETY: as above.
+        .map(|subpass| unsafe { attach(subpass, reference, capabilities, copies) })
+        .collect();
+    let all: Vec<_> = attachments.iter().copied().chain([rate_attachment()]).collect();
+    let views = subpasses.iter().fold(0, |all, subpass| all | subpass.view_mask);
+    let amended = vk::RenderPassCreateInfo2 {
+        attachment_count: index + 1,
+        p_attachments: copies.many(all.iter().copied()),
+        p_subpasses: copies.many(attached.iter().copied()),
+        ..*info
+    };
+    Ok((amended, AddedRates { attachment: index, views: u32::BITS - views.leading_zeros() }))
 }
 
 /// The rate attachment: never written by a render pass, so that it is loaded and kept.
@@ -90,40 +93,44 @@ fn rate_attachment() -> vk::AttachmentDescription2<'static> {
         .final_layout(layout)
 }
 
-/// A subpass that draws colour with the rate attachment; another one preserves its content.
+/// A subpass that draws colour with the rate attachment, which is given by its number and a reference; another one preserves its content.
 ///
 /// # Safety
 ///
 /// The subpass is valid.
 unsafe fn attach<'c>(
     subpass: &vk::SubpassDescription2<'c>,
-    reference: *const vk::AttachmentReference2<'c>,
+    (index, reference): (u32, *const vk::AttachmentReference2<'c>),
     capabilities: &RateCapabilities,
     copies: &mut Copies<'_>,
 ) -> vk::SubpassDescription2<'c> {
     type Rates<'a> = vk::FragmentShadingRateAttachmentInfoKHR<'a>;
     let mut attached = *subpass;
-    // SAFETY: the caller vouches for the subpass; the reference is a copy like the rest.
-    unsafe {
-        if !draws_colour(subpass) {
-            let preserved = slice(subpass.p_preserve_attachments, subpass.preserve_attachment_count);
-            let all: Vec<u32> = preserved.iter().copied().chain([(*reference).attachment]).collect();
-            attached.p_preserve_attachments = copies.many(all.iter().copied());
-            attached.preserve_attachment_count = all.len() as u32;
-            return attached;
-        }
-        let fill = |rates: &mut Rates<'_>| {
-            rates.p_fragment_shading_rate_attachment = reference.cast();
-            rates.shading_rate_attachment_texel_size = capabilities.texel_size();
-        };
-        attached.p_next = if find::<Rates<'_>>(subpass.p_next).is_some() {
+    // SAFETY: the subpass is valid, as `# Safety` demands, with so many preserved attachments.
+    let (draws, preserved) = unsafe {
+        let preserved = slice(subpass.p_preserve_attachments, subpass.preserve_attachment_count);
+        (draws_colour(subpass), preserved)
+    };
+    if !draws {
+        let all: Vec<u32> = preserved.iter().copied().chain([index]).collect();
+        attached.p_preserve_attachments = copies.many(all.iter().copied());
+        attached.preserve_attachment_count = all.len() as u32;
+        return attached;
+    }
+    let fill = |rates: &mut Rates<'_>| {
+        rates.p_fragment_shading_rate_attachment = reference.cast();
+        rates.shading_rate_attachment_texel_size = capabilities.texel_size();
+    };
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    attached.p_next = unsafe {
+        if find::<Rates<'_>>(subpass.p_next).is_some() {
             copies.amend::<Rates<'_>>(subpass.p_next, fill)
         } else {
             let mut rates = Rates { p_next: subpass.p_next, ..Default::default() };
             fill(&mut rates);
             copies.one(rates).cast_const().cast()
-        };
-    }
+        }
+    };
     attached
 }
 

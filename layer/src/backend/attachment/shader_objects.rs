@@ -33,29 +33,33 @@ impl Rates {
         made: *mut vk::ShaderEXT,
         (next, destroy): (vk::PFN_vkCreateShadersEXT, Option<vk::PFN_vkDestroyShaderEXT>),
     ) -> vk::Result {
-        // SAFETY: the arguments are valid, as `# Safety` demands; what could not be made is null.
-        unsafe {
-            let asked = slice(infos, count);
-            let amended: Vec<_> = asked.iter().map(flagged).collect();
-            let result = next(device, count, amended.as_ptr(), allocator, made);
-            if may_be_ours(result) {
-                GpuError::Call { call: "vkCreateShadersEXT", result }.log("shaders stay unchanged, at 1x1");
-                for &shader in slice(made.cast_const(), count) {
-                    if let (Some(destroy), true) = (destroy, shader != vk::ShaderEXT::null()) {
-                        destroy(device, shader, allocator);
-                    }
-                }
-                self.leave_rendering_alone();
-                return next(device, count, infos, allocator, made);
-            }
-            for (info, &shader) in asked.iter().zip(slice(made.cast_const(), count)) {
-                if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
-                    let every_pixel = self.capabilities.limits.need_every_pixel(effects(info));
-                    self.shader_objects.insert(shader, every_pixel);
+        // SAFETY: valid usage demands so many structures.
+        let asked = unsafe { slice(infos, count) };
+        let amended: Vec<_> = asked.iter().map(flagged).collect();
+        // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
+        let result = unsafe { next(device, count, amended.as_ptr(), allocator, made) };
+        // SAFETY: the call has written so many handles, null for shaders that failed.
+        let shaders = unsafe { slice(made.cast_const(), count) };
+        if may_be_ours(result) {
+            GpuError::Call { call: "vkCreateShadersEXT", result }.log("shaders stay unchanged, at 1x1");
+            for &shader in shaders {
+                if let (Some(destroy), true) = (destroy, shader != vk::ShaderEXT::null()) {
+                    // SAFETY: it was just made with this allocator, and nobody has seen it.
+                    unsafe { destroy(device, shader, allocator) };
                 }
             }
-            result
+            self.leave_rendering_alone();
+            // SAFETY: the application's own arguments.
+            return unsafe { next(device, count, infos, allocator, made) };
         }
+        for (info, &shader) in asked.iter().zip(shaders) {
+            if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
+                // SAFETY: valid usage demands valid structures.
+                let effects = unsafe { effects(info) };
+                self.shader_objects.insert(shader, self.capabilities.limits.need_every_pixel(effects));
+            }
+        }
+        result
     }
 
     /// The rate to set when shaders are bound; nothing without a fragment shader among them.

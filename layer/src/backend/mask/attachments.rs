@@ -1,12 +1,12 @@
 //! The attachments of a pass, as far as its mask needs to know them.
 
 use super::Masks;
+use crate::abi::copies::slice;
 use crate::backend::mask::{ColorFacts, DepthFacts};
 use crate::pass_detection::{ImageKey, Target, Unmasked};
 use crate::vk::objects::{Objects, RenderPass};
 use ash::vk;
 use smallvec::SmallVec;
-use std::slice;
 
 /// The attachments of a pass that begins.
 #[derive(Debug, Default)]
@@ -180,45 +180,43 @@ pub(super) fn is_written(layout: vk::ImageLayout) -> bool {
 ///
 /// Valid usage of vkCmdBeginRendering.
 pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Attachments {
-    // SAFETY: the caller vouches for the structure and its arrays; the depth's clear value is one.
-    unsafe {
-        let colors = match info.color_attachment_count {
-            0 => &[][..],
-            count => slice::from_raw_parts(info.p_color_attachments, count as usize),
-        };
-        let one = |view: vk::ImageView, layout, is_stored| {
-            let known = objects.view(view)?;
-            let mut target = known.target;
-            if info.view_mask == 0 {
-                target.layers = target.layers.min(info.layer_count);
-            }
-            Some(ColorAttachment { target, format: known.format, is_stored, layout })
-        };
-        let drawn = colors.iter().filter_map(|found| {
-            let is_stored = found.store_op != vk::AttachmentStoreOp::DONT_CARE;
-            one(found.image_view, found.image_layout, is_stored)
-        });
-        let resolved = colors.iter().filter(|found| found.resolve_mode != vk::ResolveModeFlags::NONE);
-        let resolved =
-            resolved.filter_map(|found| one(found.resolve_image_view, found.resolve_image_layout, true));
-        let stencil = info.p_stencil_attachment.as_ref();
-        let stencil = stencil.filter(|found| found.image_view != vk::ImageView::null());
-        let depth = info.p_depth_attachment.as_ref().and_then(|found| {
-            let target = one(found.image_view, found.image_layout, false)?.target;
-            let is_one = stencil.is_none_or(|stencil| stencil.image_layout == found.image_layout);
-            let within = if is_one { found.image_layout } else { vk::ImageLayout::UNDEFINED };
-            Some(DepthAttachment {
-                target,
-                clear: found.clear_value.depth_stencil.depth,
-                is_cleared: found.load_op == vk::AttachmentLoadOp::CLEAR,
-                is_loaded: found.load_op == vk::AttachmentLoadOp::LOAD,
-                is_loadable: true,
-                stores_stencil: stencil.is_some_and(|found| found.store_op == vk::AttachmentStoreOp::STORE),
-                is_input: false,
-                layouts: [found.image_layout, within],
-                final_layout: found.image_layout,
-            })
-        });
-        Attachments { depth, colors: drawn.chain(resolved).collect() }
-    }
+    // SAFETY: valid usage demands so many colours, and that depth and stencil are null or valid.
+    let (colors, depth, stencil) = unsafe {
+        let colors = slice(info.p_color_attachments, info.color_attachment_count);
+        (colors, info.p_depth_attachment.as_ref(), info.p_stencil_attachment.as_ref())
+    };
+    let one = |view: vk::ImageView, layout, is_stored| {
+        let known = objects.view(view)?;
+        let mut target = known.target;
+        if info.view_mask == 0 {
+            target.layers = target.layers.min(info.layer_count);
+        }
+        Some(ColorAttachment { target, format: known.format, is_stored, layout })
+    };
+    let drawn = colors.iter().filter_map(|found| {
+        let is_stored = found.store_op != vk::AttachmentStoreOp::DONT_CARE;
+        one(found.image_view, found.image_layout, is_stored)
+    });
+    let resolved = colors.iter().filter(|found| found.resolve_mode != vk::ResolveModeFlags::NONE);
+    let resolved =
+        resolved.filter_map(|found| one(found.resolve_image_view, found.resolve_image_layout, true));
+    let stencil = stencil.filter(|found| found.image_view != vk::ImageView::null());
+    let depth = depth.and_then(|found| {
+        let target = one(found.image_view, found.image_layout, false)?.target;
+        let is_one = stencil.is_none_or(|stencil| stencil.image_layout == found.image_layout);
+        let within = if is_one { found.image_layout } else { vk::ImageLayout::UNDEFINED };
+        Some(DepthAttachment {
+            target,
+            // SAFETY: the clear value of depth is one of depth; all bits are a number.
+            clear: unsafe { found.clear_value.depth_stencil.depth },
+            is_cleared: found.load_op == vk::AttachmentLoadOp::CLEAR,
+            is_loaded: found.load_op == vk::AttachmentLoadOp::LOAD,
+            is_loadable: true,
+            stores_stencil: stencil.is_some_and(|found| found.store_op == vk::AttachmentStoreOp::STORE),
+            is_input: false,
+            layouts: [found.image_layout, within],
+            final_layout: found.image_layout,
+        })
+    });
+    Attachments { depth, colors: drawn.chain(resolved).collect() }
 }

@@ -1,13 +1,13 @@
 //! Effects of pipelines that a mask must know.
 
-use super::recipe::{Ingredients, PassOf, Recipe, dynamic_states};
+use super::recipe::{Ingredients, PassOf, Recipe};
 use super::{Masks, Returning};
+use crate::abi::copies::slice;
 use crate::backend::mask::{DynamicStencil, PipelineFacts};
 use crate::gpu::is_left;
 use crate::vk::shaders::ShaderModules;
-use crate::vk::shaders::parts::{Parts, is_discarded, libraries, own_parts};
+use crate::vk::shaders::parts::{Parts, dynamic_states, is_discarded, libraries, own_parts};
 use ash::vk;
-use std::slice;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -48,28 +48,27 @@ impl Masks {
         pipelines: *const vk::Pipeline,
         count: u32,
     ) {
-        if count == 0 {
-            return;
-        }
-        // SAFETY: the caller vouches for both arrays.
-        unsafe {
-            let infos = slice::from_raw_parts(infos, count as usize);
-            let pipelines = slice::from_raw_parts(pipelines, count as usize);
-            for (info, &pipeline) in infos.iter().zip(pipelines) {
-                if !dynamic_states(info).iter().all(|state| is_left(*state)) {
-                    self.extends_dynamic.store(true, Ordering::Relaxed);
-                }
-                if pipeline != vk::Pipeline::null() {
-                    let mut facts = self.facts(info);
-                    match self.recipe(info, facts) {
-                        Some(returning) => {
-                            facts.returns = returning.facts();
-                            self.returning.insert(pipeline, Arc::new(returning));
-                        }
-                        None => drop(self.returning.remove(pipeline)),
+        // SAFETY: both arrays have so many elements, as `# Safety` demands.
+        let (infos, pipelines) = unsafe { (slice(infos, count), slice(pipelines, count)) };
+        for (info, &pipeline) in infos.iter().zip(pipelines) {
+            // SAFETY: the structure is valid, as `# Safety` demands.
+            if !unsafe { dynamic_states(info) }.iter().all(|state| is_left(*state)) {
+                self.extends_dynamic.store(true, Ordering::Relaxed);
+            }
+            if pipeline != vk::Pipeline::null() {
+                // SAFETY: as above.
+                let (mut facts, returning) = unsafe {
+                    let facts = self.facts(info);
+                    (facts, self.recipe(info, facts))
+                };
+                match returning {
+                    Some(returning) => {
+                        facts.returns = returning.facts();
+                        self.returning.insert(pipeline, Arc::new(returning));
                     }
-                    self.pipelines.insert(pipeline, facts);
+                    None => drop(self.returning.remove(pipeline)),
                 }
+                self.pipelines.insert(pipeline, facts);
             }
         }
     }
@@ -103,84 +102,84 @@ impl Masks {
         if facts.have_side_effects {
             return None;
         }
-        // SAFETY: the structure is valid, by the valid usage of vkCreateGraphicsPipelines; what belongs to a whole pipeline is valid.
-        unsafe {
-            if own_parts(info) != whole || !libraries(info).is_empty() || is_discarded(info, whole) {
-                return None;
-            }
-            let stages = slice::from_raw_parts(info.p_stages, info.stage_count as usize);
-            let mesh = vk::ShaderStageFlags::MESH_EXT | vk::ShaderStageFlags::TASK_EXT;
-            if stages.iter().any(|stage| mesh.contains(stage.stage)) {
-                return None;
-            }
-            let fragment = stages.iter().find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT)?;
-            let render_pass = match info.render_pass {
-                pass if pass == vk::RenderPass::null() => None,
-                pass => {
-                    let known = self.compatible.get(pass)?;
-                    let subpass = known.description.subpasses.get(info.subpass as usize)?;
-                    if subpass.colors.iter().all(Option::is_none) {
-                        return None;
-                    }
-                    let (views, has_depth) = (subpass.view_mask, subpass.depth.is_some());
-                    Some(PassOf { compatible: known.pass, views, has_depth })
-                }
-            };
-            let layout = self.layout(info.layout)?;
-            let code = |module| self.codes.get(module);
-            let recipe = Recipe::of(info, Ingredients { code: &code, layout, render_pass })?;
-            let effects = self.modules.effects(fragment);
-            let by_alpha = dynamic_states(info).contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT)
-                || info
-                    .p_multisample_state
-                    .as_ref()
-                    .is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE);
-            let changes_coverage =
-                by_alpha || effects.writes_depth_stencil || effects.uses_sample_mask || recipe.discards();
-            Some(Returning::new(recipe, !changes_coverage))
+        // SAFETY: valid usage demands a valid chain, and rasterisation state of the pipelines that have all parts.
+        if unsafe { own_parts(info) != whole || !libraries(info).is_empty() || is_discarded(info, whole) } {
+            return None;
         }
+        // SAFETY: as above: such pipelines have so many stages, and valid multisample and dynamic state.
+        let (stages, multisample, dynamic) = unsafe {
+            let stages = slice(info.p_stages, info.stage_count);
+            (stages, info.p_multisample_state.as_ref(), dynamic_states(info))
+        };
+        let mesh = vk::ShaderStageFlags::MESH_EXT | vk::ShaderStageFlags::TASK_EXT;
+        if stages.iter().any(|stage| mesh.contains(stage.stage)) {
+            return None;
+        }
+        let fragment = stages.iter().find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT)?;
+        let render_pass = match info.render_pass {
+            pass if pass == vk::RenderPass::null() => None,
+            pass => Some(self.pass_of(pass, info.subpass)?),
+        };
+        let layout = self.layout(info.layout)?;
+        let code = |module| self.codes.get(module);
+        // SAFETY: the pipeline has all parts and rasterises, to a pass with colour where it has a render pass; layout and pass are of
+        // this device.
+        let recipe = unsafe { Recipe::of(info, Ingredients { code: &code, layout, render_pass })? };
+        // SAFETY: the stage is valid, as above.
+        let effects = unsafe { self.modules.effects(fragment) };
+        let by_alpha = dynamic.contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT)
+            || multisample.is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE);
+        let changes_coverage =
+            by_alpha || effects.writes_depth_stencil || effects.uses_sample_mask || recipe.discards();
+        Some(Returning::new(recipe, !changes_coverage))
+    }
+
+    /// What a recipe needs of a subpass; `None` if it has no colour, or nothing is known of it.
+    fn pass_of(&self, pass: vk::RenderPass, subpass: u32) -> Option<PassOf> {
+        let known = self.compatible.get(pass)?;
+        let subpass = known.description.subpasses.get(subpass as usize)?;
+        if subpass.colors.iter().all(Option::is_none) {
+            return None;
+        }
+        let (views, has_depth) = (subpass.view_mask, subpass.depth.is_some());
+        Some(PassOf { compatible: known.pass, views, has_depth })
     }
 
     /// # Safety
     ///
     /// Valid usage of vkCreateGraphicsPipelines.
     unsafe fn facts(&self, info: &vk::GraphicsPipelineCreateInfo<'_>) -> PipelineFacts {
-        // SAFETY: the caller vouches for the structure and its chain; the parts that are its own are valid.
-        unsafe {
-            let mut facts = PipelineFacts::default();
-            for &library in libraries(info) {
-                facts.see(self.pipeline(library));
-            }
-            let own = own_parts(info);
-            if !own.contains(Parts::FRAGMENT_SHADER) || is_discarded(info, own) {
-                return facts;
-            }
-            let stages = match info.stage_count {
-                0 => &[][..],
-                count => slice::from_raw_parts(info.p_stages, count as usize),
-            };
-            for stage in stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT) {
-                let effects = self.modules.effects(stage);
-                facts.have_side_effects |= effects.stores || effects.interlocks;
-            }
-            let is_dynamic = |state| {
-                info.p_dynamic_state.as_ref().is_some_and(|dynamic| match dynamic.dynamic_state_count {
-                    0 => false,
-                    count => slice::from_raw_parts(dynamic.p_dynamic_states, count as usize).contains(&state),
-                })
-            };
-            let tests = info.p_depth_stencil_state.as_ref();
-            let (write_stencil, dynamic_stencil) = stencil(tests, is_dynamic);
-            facts.write_stencil |= write_stencil;
-            facts.dynamic_stencil = dynamic_stencil;
-            if let Some(tests) = tests
-                && tests.depth_test_enable == vk::TRUE
-                && !is_dynamic(vk::DynamicState::DEPTH_COMPARE_OP)
-            {
-                facts.directions.see(tests.depth_compare_op);
-            }
-            facts
+        let mut facts = PipelineFacts::default();
+        // SAFETY: valid usage demands a valid chain.
+        let (libraries, own) = unsafe { (libraries(info), own_parts(info)) };
+        for &library in libraries {
+            facts.see(self.pipeline(library));
         }
+        // SAFETY: valid usage demands valid state of the parts that are its own.
+        if !own.contains(Parts::FRAGMENT_SHADER) || unsafe { is_discarded(info, own) } {
+            return facts;
+        }
+        // SAFETY: as above: stages and tests are of the part with the fragment shader, and dynamic state of all.
+        let (stages, tests, dynamic) = unsafe {
+            let stages = slice(info.p_stages, info.stage_count);
+            (stages, info.p_depth_stencil_state.as_ref(), dynamic_states(info))
+        };
+        for stage in stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT) {
+            // SAFETY: the stage is valid, as above.
+            let effects = unsafe { self.modules.effects(stage) };
+            facts.have_side_effects |= effects.stores || effects.interlocks;
+        }
+        let is_dynamic = |state| dynamic.contains(&state);
+        let (write_stencil, dynamic_stencil) = stencil(tests, is_dynamic);
+        facts.write_stencil |= write_stencil;
+        facts.dynamic_stencil = dynamic_stencil;
+        if let Some(tests) = tests
+            && tests.depth_test_enable == vk::TRUE
+            && !is_dynamic(vk::DynamicState::DEPTH_COMPARE_OP)
+        {
+            facts.directions.see(tests.depth_compare_op);
+        }
+        facts
     }
 }
 

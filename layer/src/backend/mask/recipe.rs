@@ -8,6 +8,7 @@ pub use codes::{Code, Codes};
 use super::early_return::{EarlyReturn, discards, returning_early};
 use crate::abi::copies::{find, slice, words};
 use crate::gpu::{AppendedLayout, CompatiblePass, Gpu, GpuError, Owned, pipeline_of_code};
+use crate::vk::shaders::parts::dynamic_states;
 use arena::Arena;
 use ash::vk;
 use smallvec::SmallVec;
@@ -87,57 +88,42 @@ impl Recipe {
         ingredients: Ingredients<'_>,
     ) -> Option<Self> {
         let mut memory = Arena::default();
-        // SAFETY: the caller vouches for the structure, its arrays and chains. Copies point to the arena or nowhere.
-        unsafe {
-            let stages = slice(info.p_stages, info.stage_count);
-            let is_fragment =
-                |stage: &vk::PipelineShaderStageCreateInfo<'_>| stage.stage == vk::ShaderStageFlags::FRAGMENT;
-            let fragment = stages.iter().position(is_fragment)?;
-            let mut codes = SmallVec::new();
-            let mut kept = SmallVec::<[vk::PipelineShaderStageCreateInfo<'static>; 4]>::new();
-            for stage in stages {
-                codes.push(code_of(stage, ingredients.code)?);
-                kept.push(stage_of(stage, &mut memory));
-            }
-            let (views, chain) = chain_of(info, &ingredients, &mut memory)?;
-            let entry = CStr::from_ptr(stages[fragment].p_name).to_owned();
-            let flags = info.flags;
-            let is_dynamic = |state| dynamic_states(info).contains(&state);
-            if flags.intersects(NOT_SERVED) || NOT_FOLLOWED.into_iter().any(is_dynamic) {
-                return None;
-            }
-            let has_depth = ingredients.render_pass.as_ref().is_none_or(|pass| pass.has_depth);
-            let info = vk::GraphicsPipelineCreateInfo {
-                flags: flags & !NOT_KEPT,
-                p_next: chain,
-                stage_count: kept.len() as u32,
-                p_stages: memory.many(&kept),
-                p_vertex_input_state: match is_dynamic(vk::DynamicState::VERTEX_INPUT_EXT) {
-                    true => std::ptr::null(),
-                    false => memory.vertex_input(info.p_vertex_input_state.as_ref())?,
-                },
-                p_input_assembly_state: memory.plain(info.p_input_assembly_state.as_ref())?.cast(),
-                p_tessellation_state: match has_tessellation(stages) {
-                    true => memory.plain(info.p_tessellation_state.as_ref())?.cast(),
-                    false => std::ptr::null(),
-                },
-                p_viewport_state: memory.viewport(info.p_viewport_state.as_ref(), dynamic_states(info))?,
-                p_rasterization_state: memory.plain(info.p_rasterization_state.as_ref())?.cast(),
-                p_multisample_state: memory.multisample(info.p_multisample_state.as_ref())?,
-                p_depth_stencil_state: match has_depth {
-                    true => memory.plain(info.p_depth_stencil_state.as_ref())?.cast(),
-                    false => std::ptr::null(),
-                },
-                p_color_blend_state: memory.color_blend(info.p_color_blend_state.as_ref())?,
-                p_dynamic_state: memory.dynamic(info.p_dynamic_state.as_ref())?,
-                subpass: info.subpass,
-                base_pipeline_index: -1,
-                ..Default::default()
-            };
-            let fragment = Fragment { stage: fragment, entry, by_view: views != 0 };
-            let render_pass = ingredients.render_pass.map(|pass| pass.compatible);
-            Some(Self { info, _memory: memory, codes, fragment, layout: ingredients.layout, render_pass })
+        // SAFETY: valid usage demands so many stages.
+        let stages = unsafe { slice(info.p_stages, info.stage_count) };
+        let is_fragment =
+            |stage: &vk::PipelineShaderStageCreateInfo<'_>| stage.stage == vk::ShaderStageFlags::FRAGMENT;
+        let fragment = stages.iter().position(is_fragment)?;
+        let mut codes = SmallVec::new();
+        let mut kept = SmallVec::<[vk::PipelineShaderStageCreateInfo<'static>; 4]>::new();
+        for stage in stages {
+            // SAFETY: valid usage demands valid stages.
+            let (code, stage) = unsafe { (code_of(stage, ingredients.code)?, stage_of(stage, &mut memory)) };
+            codes.push(code);
+            kept.push(stage);
         }
+        // SAFETY: valid usage demands a valid chain, a name of the entry point, and valid dynamic states.
+        let ((views, chain), entry, dynamic) = unsafe {
+            let chain = chain_of(info, &ingredients, &mut memory)?;
+            (chain, CStr::from_ptr(stages[fragment].p_name).to_owned(), dynamic_states(info))
+        };
+        if info.flags.intersects(NOT_SERVED) || NOT_FOLLOWED.iter().any(|state| dynamic.contains(state)) {
+            return None;
+        }
+        let has_depth = ingredients.render_pass.as_ref().is_none_or(|pass| pass.has_depth);
+        // SAFETY: the pipeline is whole, and rasterises to a pass with colour, as `# Safety` demands.
+        let state = unsafe { state_of(info, has_tessellation(stages), has_depth, &mut memory)? };
+        let info = vk::GraphicsPipelineCreateInfo {
+            flags: info.flags & !NOT_KEPT,
+            p_next: chain,
+            stage_count: kept.len() as u32,
+            p_stages: memory.many(&kept),
+            subpass: info.subpass,
+            base_pipeline_index: -1,
+            ..state
+        };
+        let fragment = Fragment { stage: fragment, entry, by_view: views != 0 };
+        let render_pass = ingredients.render_pass.map(|pass| pass.compatible);
+        Some(Self { info, _memory: memory, codes, fragment, layout: ingredients.layout, render_pass })
     }
 
     /// The layout of the made pipelines.
@@ -186,17 +172,6 @@ const NOT_FOLLOWED: [vk::DynamicState; 6] = [
     vk::DynamicState::COLOR_WRITE_MASK_EXT,
 ];
 
-/// # Safety
-///
-/// The structure is valid.
-pub unsafe fn dynamic_states<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::DynamicState] {
-    // SAFETY: the caller vouches for it.
-    unsafe {
-        let dynamic = info.p_dynamic_state.as_ref();
-        dynamic.map_or(&[], |dynamic| slice(dynamic.p_dynamic_states, dynamic.dynamic_state_count))
-    }
-}
-
 fn has_tessellation(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> bool {
     stages.iter().any(|stage| stage.stage == vk::ShaderStageFlags::TESSELLATION_CONTROL)
 }
@@ -210,24 +185,21 @@ unsafe fn code_of(
     stage: &vk::PipelineShaderStageCreateInfo<'_>,
     of_module: &dyn Fn(vk::ShaderModule) -> Option<Code>,
 ) -> Option<Code> {
-    // SAFETY: the caller vouches for the chain, and the code in it.
-    unsafe {
-        let has_other = arena::chain(stage.p_next).any(|found| {
-            ![
-                vk::StructureType::SHADER_MODULE_CREATE_INFO,
-                vk::StructureType::DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
-            ]
-            .contains(&found.s_type)
-        });
-        if has_other {
-            return None;
-        }
-        if stage.module != vk::ShaderModule::null() {
-            return of_module(stage.module);
-        }
-        let own = find::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next)?;
-        Some(codes::apart(&words(own.p_code.cast(), own.code_size)))
+    const KNOWN: [vk::StructureType; 2] =
+        [vk::StructureType::SHADER_MODULE_CREATE_INFO, vk::StructureType::DEBUG_UTILS_OBJECT_NAME_INFO_EXT];
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    if unsafe { arena::chain(stage.p_next) }.any(|found| !KNOWN.contains(&found.s_type)) {
+        return None;
     }
+    if stage.module != vk::ShaderModule::null() {
+        return of_module(stage.module);
+    }
+    // SAFETY: as above; a valid structure of this type has so many bytes of code.
+    let code = unsafe {
+        let own = find::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next)?;
+        words(own.p_code.cast(), own.code_size)
+    };
+    Some(codes::apart(&code))
 }
 
 /// A stage without its module.
@@ -239,34 +211,75 @@ unsafe fn stage_of(
     stage: &vk::PipelineShaderStageCreateInfo<'_>,
     memory: &mut Arena,
 ) -> vk::PipelineShaderStageCreateInfo<'static> {
-    // SAFETY: the caller vouches for name and constants.
-    unsafe {
-        let constants = stage.p_specialization_info.as_ref().map(|constants| {
-            let data = std::slice::from_raw_parts(
-                match constants.data_size {
-                    0 => std::ptr::NonNull::dangling().as_ptr(),
-                    _ => constants.p_data.cast::<u8>(),
-                },
-                constants.data_size,
-            );
-            vk::SpecializationInfo {
-                map_entry_count: constants.map_entry_count,
-                p_map_entries: memory.many(slice(constants.p_map_entries, constants.map_entry_count)),
-                data_size: constants.data_size,
-                p_data: memory.many(data).cast(),
-                ..Default::default()
-            }
-        });
-        vk::PipelineShaderStageCreateInfo {
-            flags: stage.flags,
-            stage: stage.stage,
-            p_name: memory.many(CStr::from_ptr(stage.p_name).to_bytes_with_nul()).cast(),
-            p_specialization_info: match constants {
-                Some(constants) => memory.many(&[constants]),
-                None => std::ptr::null(),
-            },
+    // SAFETY: the pointer is null or valid, as `# Safety` demands.
+    let constants = unsafe { stage.p_specialization_info.as_ref() }.map(|constants| {
+        // SAFETY: a valid structure has so many entries, and so many bytes of data.
+        let (entries, data) = unsafe {
+            let data = match constants.data_size {
+                0 => &[],
+                size => std::slice::from_raw_parts(constants.p_data.cast::<u8>(), size),
+            };
+            (slice(constants.p_map_entries, constants.map_entry_count), data)
+        };
+        vk::SpecializationInfo {
+            map_entry_count: constants.map_entry_count,
+            p_map_entries: memory.many(entries),
+            data_size: constants.data_size,
+            p_data: memory.many(data).cast(),
             ..Default::default()
         }
+    });
+    // SAFETY: a valid stage has a name.
+    let name = unsafe { CStr::from_ptr(stage.p_name) };
+    vk::PipelineShaderStageCreateInfo {
+        flags: stage.flags,
+        stage: stage.stage,
+        p_name: memory.many(name.to_bytes_with_nul()).cast(),
+        p_specialization_info: match constants {
+            Some(constants) => memory.many(&[constants]),
+            None => std::ptr::null(),
+        },
+        ..Default::default()
+    }
+}
+
+/// A pipeline's state without stages, chain, layout and render pass; `None` for state with an unknown structure.
+///
+/// # Safety
+///
+/// Valid usage of vkCreateGraphicsPipelines, of a pipeline that is whole and rasterises to a pass with colour; `has_tessellation` and
+/// `has_depth` say whether its stages have tessellation, and that pass depth or stencil.
+unsafe fn state_of(
+    info: &vk::GraphicsPipelineCreateInfo<'_>,
+    has_tessellation: bool,
+    has_depth: bool,
+    memory: &mut Arena,
+) -> Option<vk::GraphicsPipelineCreateInfo<'static>> {
+    // SAFETY: valid usage demands that dynamic state is null or valid.
+    let dynamic = unsafe { dynamic_states(info) };
+    let has_vertex_input = !dynamic.contains(&vk::DynamicState::VERTEX_INPUT_EXT);
+    // SAFETY: each pointer is null or valid where it is not ignored (VkGraphicsPipelineCreateInfo).
+    let (vertex_input, tessellation, depth_stencil) = unsafe {
+        (
+            if has_vertex_input { info.p_vertex_input_state.as_ref() } else { None },
+            if has_tessellation { info.p_tessellation_state.as_ref() } else { None },
+            if has_depth { info.p_depth_stencil_state.as_ref() } else { None },
+        )
+    };
+    // SAFETY: as above; no other pointer of such a pipeline is ignored, and valid structures have valid arrays and chains.
+    unsafe {
+        Some(vk::GraphicsPipelineCreateInfo {
+            p_vertex_input_state: memory.vertex_input(vertex_input)?,
+            p_input_assembly_state: memory.plain(info.p_input_assembly_state.as_ref())?.cast(),
+            p_tessellation_state: memory.plain(tessellation)?.cast(),
+            p_viewport_state: memory.viewport(info.p_viewport_state.as_ref(), dynamic)?,
+            p_rasterization_state: memory.plain(info.p_rasterization_state.as_ref())?.cast(),
+            p_multisample_state: memory.multisample(info.p_multisample_state.as_ref())?,
+            p_depth_stencil_state: memory.plain(depth_stencil)?.cast(),
+            p_color_blend_state: memory.color_blend(info.p_color_blend_state.as_ref())?,
+            p_dynamic_state: memory.dynamic(info.p_dynamic_state.as_ref())?,
+            ..Default::default()
+        })
     }
 }
 
@@ -281,45 +294,45 @@ unsafe fn chain_of(
     memory: &mut Arena,
 ) -> Option<(u32, *const c_void)> {
     type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
-    // SAFETY: the chain is valid, by the valid usage of vkCreateGraphicsPipelines.
-    unsafe {
-        let mut next: *const c_void = std::ptr::null();
-        let mut views = ingredients.render_pass.as_ref().map_or(0, |pass| pass.views);
-        for found in arena::chain(info.p_next) {
-            match found.s_type {
-                vk::StructureType::PIPELINE_RENDERING_CREATE_INFO => {
-                    let rendering = &*std::ptr::from_ref(found).cast::<vk::PipelineRenderingCreateInfo<'_>>();
-                    // Ignored with a render pass.
-                    if ingredients.render_pass.is_none() {
-                        views = rendering.view_mask;
-                        let formats =
-                            slice(rendering.p_color_attachment_formats, rendering.color_attachment_count);
-                        let kept = vk::PipelineRenderingCreateInfo {
-                            p_next: next,
-                            view_mask: rendering.view_mask,
-                            color_attachment_count: rendering.color_attachment_count,
-                            p_color_attachment_formats: memory.many(formats),
-                            depth_attachment_format: rendering.depth_attachment_format,
-                            stencil_attachment_format: rendering.stencil_attachment_format,
-                            ..Default::default()
-                        };
-                        next = memory.many(&[kept]).cast();
-                    }
-                }
-                vk::StructureType::PIPELINE_CREATE_FLAGS_2_CREATE_INFO_KHR => {
-                    let flags = (*std::ptr::from_ref(found).cast::<Flags2<'_>>()).flags.as_raw();
-                    if flags & u64::from(NOT_SERVED.as_raw()) != 0 {
-                        return None;
-                    }
-                    let flags = vk::PipelineCreateFlags2KHR::from_raw(flags & !u64::from(NOT_KEPT.as_raw()));
-                    next = memory.many(&[Flags2 { p_next: next, flags, ..Default::default() }]).cast();
-                }
-                // What the application wants to know of its own.
-                vk::StructureType::PIPELINE_CREATION_FEEDBACK_CREATE_INFO
-                | vk::StructureType::DEBUG_UTILS_OBJECT_NAME_INFO_EXT => {}
-                _ => return None,
+    let mut next: *const c_void = std::ptr::null();
+    let mut views = ingredients.render_pass.as_ref().map_or(0, |pass| pass.views);
+    // SAFETY: valid usage demands a valid chain.
+    for found in unsafe { arena::chain(info.p_next) } {
+        match found.s_type {
+            // Ignored with a render pass.
+            vk::StructureType::PIPELINE_RENDERING_CREATE_INFO if ingredients.render_pass.is_some() => {}
+            vk::StructureType::PIPELINE_RENDERING_CREATE_INFO => {
+                // SAFETY: a valid structure of this type is one of these, with so many formats.
+                let (rendering, formats) = unsafe {
+                    let found = &*std::ptr::from_ref(found).cast::<vk::PipelineRenderingCreateInfo<'_>>();
+                    (found, slice(found.p_color_attachment_formats, found.color_attachment_count))
+                };
+                views = rendering.view_mask;
+                let kept = vk::PipelineRenderingCreateInfo {
+                    p_next: next,
+                    view_mask: rendering.view_mask,
+                    color_attachment_count: rendering.color_attachment_count,
+                    p_color_attachment_formats: memory.many(formats),
+                    depth_attachment_format: rendering.depth_attachment_format,
+                    stencil_attachment_format: rendering.stencil_attachment_format,
+                    ..Default::default()
+                };
+                next = memory.many(&[kept]).cast();
             }
+            vk::StructureType::PIPELINE_CREATE_FLAGS_2_CREATE_INFO_KHR => {
+                // SAFETY: a valid structure of this type is one of these.
+                let flags = unsafe { (*std::ptr::from_ref(found).cast::<Flags2<'_>>()).flags.as_raw() };
+                if flags & u64::from(NOT_SERVED.as_raw()) != 0 {
+                    return None;
+                }
+                let flags = vk::PipelineCreateFlags2KHR::from_raw(flags & !u64::from(NOT_KEPT.as_raw()));
+                next = memory.many(&[Flags2 { p_next: next, flags, ..Default::default() }]).cast();
+            }
+            // What the application wants to know of its own.
+            vk::StructureType::PIPELINE_CREATION_FEEDBACK_CREATE_INFO
+            | vk::StructureType::DEBUG_UTILS_OBJECT_NAME_INFO_EXT => {}
+            _ => return None,
         }
-        Some((views, next))
     }
+    Some((views, next))
 }

@@ -36,18 +36,19 @@ fn each_colour_subpass_reads_it_and_others_preserve_it() {
     check(&[prepares, draws], |result| {
         let (info, added) = result.unwrap();
         assert_eq!(added, AddedRates { attachment: 2, views: 3 });
-        // SAFETY: the structures are valid.
+        // SAFETY: so many attachments, each valid.
+        let attachments = unsafe { slice(info.p_attachments, info.attachment_count) };
+        assert_eq!(attachments.len(), 3);
+        let rates = &attachments[2];
+        let layout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR;
+        assert_eq!((rates.format, rates.samples), (vk::Format::R8_UINT, vk::SampleCountFlags::TYPE_1));
+        assert_eq!(
+            (rates.load_op, rates.store_op),
+            (vk::AttachmentLoadOp::LOAD, vk::AttachmentStoreOp::STORE)
+        );
+        assert_eq!((rates.initial_layout, rates.final_layout), (layout, layout));
+        // SAFETY: the structures are valid, with so many elements in their arrays.
         unsafe {
-            let attachments = slice(info.p_attachments, info.attachment_count);
-            assert_eq!(attachments.len(), 3);
-            let rates = &attachments[2];
-            let layout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR;
-            assert_eq!((rates.format, rates.samples), (vk::Format::R8_UINT, vk::SampleCountFlags::TYPE_1));
-            assert_eq!(
-                (rates.load_op, rates.store_op),
-                (vk::AttachmentLoadOp::LOAD, vk::AttachmentStoreOp::STORE)
-            );
-            assert_eq!((rates.initial_layout, rates.final_layout), (layout, layout));
             let [prepares, draws] = slice(info.p_subpasses, info.subpass_count) else { panic!() };
             assert_eq!(slice(prepares.p_preserve_attachments, prepares.preserve_attachment_count), [0, 2]);
             assert!(find::<Rates<'_>>(prepares.p_next).is_none());

@@ -17,33 +17,36 @@ pub unsafe fn convert<'c>(
     info: &vk::RenderPassCreateInfo<'c>,
     copies: &mut Copies<'_>,
 ) -> Result<vk::RenderPassCreateInfo2<'c>, LeftAlone> {
-    // SAFETY: the caller vouches for the structure, its chain and what they point to.
-    unsafe {
-        let extensions = Extensions::of(info)?;
-        let attachments = slice(info.p_attachments, info.attachment_count);
-        let mut subpasses = Vec::with_capacity(info.subpass_count as usize);
-        for (index, subpass) in (0u32..).zip(slice(info.p_subpasses, info.subpass_count)) {
-            subpasses.push(extensions.subpass(index, subpass, attachments, copies));
-        }
-        let dependencies = slice(info.p_dependencies, info.dependency_count);
-        let dependencies: Vec<_> = (0..)
-            .zip(dependencies)
-            .map(|(index, dependency)| extensions.dependency(index, dependency))
-            .collect();
-        let masks = extensions.correlation_masks;
-        Ok(vk::RenderPassCreateInfo2 {
-            flags: info.flags,
-            attachment_count: info.attachment_count,
-            p_attachments: copies.many(attachments.iter().map(attachment)),
-            subpass_count: info.subpass_count,
-            p_subpasses: copies.many(subpasses.iter().copied()),
-            dependency_count: info.dependency_count,
-            p_dependencies: copies.many(dependencies.iter().copied()),
-            correlated_view_mask_count: masks.len() as u32,
-            p_correlated_view_masks: masks.as_ptr(),
-            ..Default::default()
-        })
+    // SAFETY: valid usage demands a valid chain.
+    let extensions = unsafe { Extensions::of(info)? };
+    // SAFETY: valid usage demands so many attachments, subpasses and dependencies.
+    let (attachments, described, dependencies) = unsafe {
+        (
+            slice(info.p_attachments, info.attachment_count),
+            slice(info.p_subpasses, info.subpass_count),
+            slice(info.p_dependencies, info.dependency_count),
+        )
+    };
+    let mut subpasses = Vec::with_capacity(described.len());
+    for (index, subpass) in (0u32..).zip(described) {
+        // SAFETY: valid usage demands valid subpasses.
+        subpasses.push(unsafe { extensions.subpass(index, subpass, attachments, copies) });
     }
+    let dependencies: Vec<_> =
+        (0..).zip(dependencies).map(|(index, dependency)| extensions.dependency(index, dependency)).collect();
+    let masks = extensions.correlation_masks;
+    Ok(vk::RenderPassCreateInfo2 {
+        flags: info.flags,
+        attachment_count: info.attachment_count,
+        p_attachments: copies.many(attachments.iter().map(attachment)),
+        subpass_count: info.subpass_count,
+        p_subpasses: copies.many(subpasses.iter().copied()),
+        dependency_count: info.dependency_count,
+        p_dependencies: copies.many(dependencies.iter().copied()),
+        correlated_view_mask_count: masks.len() as u32,
+        p_correlated_view_masks: masks.as_ptr(),
+        ..Default::default()
+    })
 }
 
 fn attachment(of: &vk::AttachmentDescription) -> vk::AttachmentDescription2<'static> {
@@ -74,17 +77,18 @@ impl<'c> Extensions<'c> {
     unsafe fn of(info: &vk::RenderPassCreateInfo<'c>) -> Result<Self, LeftAlone> {
         type Multiview<'a> = vk::RenderPassMultiviewCreateInfo<'a>;
         type Aspects<'a> = vk::RenderPassInputAttachmentAspectCreateInfo<'a>;
-        // SAFETY: the chain is valid, as `# Safety` demands.
-        unsafe {
-            let mut at: *const vk::BaseInStructure<'_> = info.p_next.cast();
-            while let Some(structure) = at.as_ref() {
-                if ![Multiview::STRUCTURE_TYPE, Aspects::STRUCTURE_TYPE].contains(&structure.s_type) {
-                    return Err(LeftAlone::Unknown(structure.s_type));
-                }
-                at = structure.p_next;
+        let mut at: *const vk::BaseInStructure<'_> = info.p_next.cast();
+        // SAFETY: null, or the next structure of a valid chain, as `# Safety` demands.
+        while let Some(structure) = unsafe { at.as_ref() } {
+            if ![Multiview::STRUCTURE_TYPE, Aspects::STRUCTURE_TYPE].contains(&structure.s_type) {
+                return Err(LeftAlone::Unknown(structure.s_type));
             }
-            let mut extensions =
-                Self { view_masks: &[], view_offsets: &[], correlation_masks: &[], aspects: &[] };
+            at = structure.p_next;
+        }
+        let mut extensions =
+            Self { view_masks: &[], view_offsets: &[], correlation_masks: &[], aspects: &[] };
+        // SAFETY: the chain is valid, as `# Safety` demands, with so many elements in each array.
+        unsafe {
             if let Some(multiview) = find::<Multiview<'_>>(info.p_next) {
                 extensions.view_masks = slice(multiview.p_view_masks, multiview.subpass_count);
                 extensions.view_offsets = slice(multiview.p_view_offsets, multiview.dependency_count);
@@ -94,8 +98,8 @@ impl<'c> Extensions<'c> {
             if let Some(aspects) = find::<Aspects<'_>>(info.p_next) {
                 extensions.aspects = slice(aspects.p_aspect_references, aspects.aspect_reference_count);
             }
-            Ok(extensions)
         }
+        Ok(extensions)
     }
 
     /// # Safety
@@ -109,35 +113,37 @@ impl<'c> Extensions<'c> {
         copies: &mut Copies<'_>,
     ) -> vk::SubpassDescription2<'c> {
         let other = |from: &vk::AttachmentReference| reference(from, vk::ImageAspectFlags::empty());
-        // SAFETY: the caller vouches for the subpass; there are as many resolve as colour attachments, or none.
-        unsafe {
-            let inputs = slice(of.p_input_attachments, of.input_attachment_count);
-            let inputs: Vec<_> = (0u32..)
-                .zip(inputs)
-                .map(|(input, from)| reference(from, self.aspect(index, input, from, attachments)))
-                .collect();
-            let colours = slice(of.p_color_attachments, of.color_attachment_count);
-            let resolves = slice(of.p_resolve_attachments, of.color_attachment_count);
-            let depth = of.p_depth_stencil_attachment.as_ref();
-            vk::SubpassDescription2 {
-                flags: of.flags,
-                pipeline_bind_point: of.pipeline_bind_point,
-                view_mask: self.view_masks.get(index as usize).copied().unwrap_or(0),
-                input_attachment_count: of.input_attachment_count,
-                p_input_attachments: copies.many(inputs.iter().copied()),
-                color_attachment_count: of.color_attachment_count,
-                p_color_attachments: copies.many(colours.iter().map(other)),
-                p_resolve_attachments: if resolves.is_empty() {
-                    std::ptr::null()
-                } else {
-                    copies.many(resolves.iter().map(other)).cast_const()
-                },
-                p_depth_stencil_attachment: depth
-                    .map_or(std::ptr::null(), |depth| copies.one(other(depth)).cast_const()),
-                preserve_attachment_count: of.preserve_attachment_count,
-                p_preserve_attachments: of.p_preserve_attachments,
-                ..Default::default()
-            }
+        // SAFETY: a valid subpass has so many references, of resolves as many as of colours or null, and of depth one or null.
+        let (inputs, colours, resolves, depth) = unsafe {
+            (
+                slice(of.p_input_attachments, of.input_attachment_count),
+                slice(of.p_color_attachments, of.color_attachment_count),
+                slice(of.p_resolve_attachments, of.color_attachment_count),
+                of.p_depth_stencil_attachment.as_ref(),
+            )
+        };
+        let inputs: Vec<_> = (0u32..)
+            .zip(inputs)
+            .map(|(input, from)| reference(from, self.aspect(index, input, from, attachments)))
+            .collect();
+        vk::SubpassDescription2 {
+            flags: of.flags,
+            pipeline_bind_point: of.pipeline_bind_point,
+            view_mask: self.view_masks.get(index as usize).copied().unwrap_or(0),
+            input_attachment_count: of.input_attachment_count,
+            p_input_attachments: copies.many(inputs.iter().copied()),
+            color_attachment_count: of.color_attachment_count,
+            p_color_attachments: copies.many(colours.iter().map(other)),
+            p_resolve_attachments: if resolves.is_empty() {
+                std::ptr::null()
+            } else {
+                copies.many(resolves.iter().map(other)).cast_const()
+            },
+            p_depth_stencil_attachment: depth
+                .map_or(std::ptr::null(), |depth| copies.one(other(depth)).cast_const()),
+            preserve_attachment_count: of.preserve_attachment_count,
+            p_preserve_attachments: of.p_preserve_attachments,
+            ..Default::default()
         }
     }
 

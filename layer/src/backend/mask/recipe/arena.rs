@@ -153,29 +153,23 @@ impl Arena {
         dynamic: &[vk::DynamicState],
     ) -> Option<*const vk::PipelineViewportStateCreateInfo<'static>> {
         let Some(state) = state else { return Some(ptr::null()) };
-        // SAFETY: the caller vouches for them; arrays count where the state is not dynamic.
-        unsafe {
-            let is_dynamic =
-                |wanted: [vk::DynamicState; 2]| wanted.iter().any(|state| dynamic.contains(state));
-            let viewports = !is_dynamic([vk::DynamicState::VIEWPORT, vk::DynamicState::VIEWPORT_WITH_COUNT]);
-            let scissors = !is_dynamic([vk::DynamicState::SCISSOR, vk::DynamicState::SCISSOR_WITH_COUNT]);
-            let copy = vk::PipelineViewportStateCreateInfo {
+        let is_dynamic = |wanted: [vk::DynamicState; 2]| wanted.iter().any(|state| dynamic.contains(state));
+        let viewports = !is_dynamic([vk::DynamicState::VIEWPORT, vk::DynamicState::VIEWPORT_WITH_COUNT]);
+        let scissors = !is_dynamic([vk::DynamicState::SCISSOR, vk::DynamicState::SCISSOR_WITH_COUNT]);
+        let counted = |is_fixed, count| if is_fixed { count } else { 0 };
+        // SAFETY: arrays that are not dynamic have so many elements, and the chain is valid, as `# Safety` demands.
+        let copy = unsafe {
+            vk::PipelineViewportStateCreateInfo {
                 p_next: self.chain(state.p_next)?,
                 flags: state.flags,
                 viewport_count: state.viewport_count,
-                p_viewports: match viewports {
-                    true => self.array(state.p_viewports, state.viewport_count),
-                    false => ptr::null(),
-                },
+                p_viewports: self.array(state.p_viewports, counted(viewports, state.viewport_count)),
                 scissor_count: state.scissor_count,
-                p_scissors: match scissors {
-                    true => self.array(state.p_scissors, state.scissor_count),
-                    false => ptr::null(),
-                },
+                p_scissors: self.array(state.p_scissors, counted(scissors, state.scissor_count)),
                 ..Default::default()
-            };
-            Some(self.many(&[copy]))
-        }
+            }
+        };
+        Some(self.many(&[copy]))
     }
 
     /// As [`Self::vertex_input`].

@@ -111,12 +111,13 @@ fn attachments_subpasses_and_dependencies_are_the_same() {
             let depth = first.p_depth_stencil_attachment.as_ref().unwrap();
             assert_eq!((depth.attachment, depth.layout), (1, Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL));
             let inputs = slice(second.p_input_attachments, second.input_attachment_count);
-            assert_eq!(
-                inputs.iter().map(|input| input.attachment).collect::<Vec<_>>(),
-                [0, 1, vk::ATTACHMENT_UNUSED]
-            );
+            let numbers: Vec<_> = inputs.iter().map(|input| input.attachment).collect();
+            assert_eq!(numbers, [0, 1, vk::ATTACHMENT_UNUSED]);
             assert_eq!(inputs[0].aspect_mask, Aspects::COLOR);
             assert_eq!(inputs[1].aspect_mask, Aspects::DEPTH | Aspects::STENCIL, "all that the format has");
+        }
+        // SAFETY: as above.
+        unsafe {
             let resolves = slice(second.p_resolve_attachments, second.color_attachment_count);
             assert_eq!((resolves[0].attachment, resolves[0].layout), (0, Layout::GENERAL));
             assert_eq!(slice(second.p_preserve_attachments, second.preserve_attachment_count), [1]);
