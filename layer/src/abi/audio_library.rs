@@ -89,24 +89,35 @@ impl Drop for Capture {
 fn load(path: &Path) -> Result<CaptureTable, NotLoaded> {
     let name =
         CString::new(path.as_os_str().as_bytes()).map_err(|error| NotLoaded::Refused(error.to_string()))?;
-    // SAFETY: a library of ours, whose initialisers do nothing that depends on the caller; the answers are checked, the
-    // symbol has the type that the link gives it, and the reference is kept.
-    unsafe {
-        let library = libc::dlopen(name.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL | libc::RTLD_NODELETE);
-        if library.is_null() {
-            let reason = libc::dlerror();
-            let reason = if reason.is_null() { c"no reason given" } else { CStr::from_ptr(reason) };
-            return Err(NotLoaded::Refused(reason.to_string_lossy().into_owned()));
-        }
+    // SAFETY: a library of ours, whose initialisers do nothing that depends on the caller; the reference is kept.
+    let library =
+        unsafe { libc::dlopen(name.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL | libc::RTLD_NODELETE) };
+    if library.is_null() {
+        return Err(NotLoaded::Refused(reason()));
+    }
+    // SAFETY: the library is there; the symbol has the type that the link gives it.
+    let get_table = unsafe {
         let get_table = libc::dlsym(library, GET_TABLE_NAME.as_ptr());
-        let get_table = std::mem::transmute::<*mut libc::c_void, Option<GetTable>>(get_table)
-            .ok_or_else(|| NotLoaded::Foreign(path.to_owned()))?;
+        std::mem::transmute::<*mut libc::c_void, Option<GetTable>>(get_table)
+    };
+    let get_table = get_table.ok_or_else(|| NotLoaded::Foreign(path.to_owned()))?;
+    // SAFETY: the table lives as long as the library; the version comes first in every version of it, and says how it goes on.
+    unsafe {
         let table = get_table();
-        // The version comes first in every version of the table.
         let version = (&raw const (*table).version).read();
         if version != TABLE_VERSION || (*table).size as usize != size_of::<CaptureTable>() {
             return Err(NotLoaded::OtherVersion(version));
         }
         Ok(*table)
     }
+}
+
+/// The reason why the last library could not be loaded.
+fn reason() -> String {
+    // SAFETY: dlerror returns null or a string that is valid until this thread's next call of it.
+    let reason = unsafe {
+        let reason = libc::dlerror();
+        if reason.is_null() { c"no reason given" } else { CStr::from_ptr(reason) }
+    };
+    reason.to_string_lossy().into_owned()
 }

@@ -4,6 +4,7 @@
 use super::compute::{ComputeLayout, ComputeSet};
 use super::pipeline::{graphics_pipeline, module_of_words};
 use super::{DeviceBuffer, Gpu, GpuError, Owned};
+use crate::abi::copies::slice;
 use ash::vk;
 use parafovea_core::mask::EarlyReturnParams;
 use smallvec::SmallVec;
@@ -49,27 +50,24 @@ impl AppendedLayout {
         info: &vk::PipelineLayoutCreateInfo<'_>,
         appended: &ReturnLayout,
     ) -> Result<Self, GpuError> {
-        // SAFETY: the caller vouches for the structure and its array.
-        unsafe {
-            let own = match info.set_layout_count {
-                0 => &[][..],
-                count => std::slice::from_raw_parts(info.p_set_layouts, count as usize),
-            };
-            let sets: SmallVec<[vk::DescriptorSetLayout; 8]> =
-                own.iter().copied().chain([appended.0.set_layout()]).collect();
-            let amended = vk::PipelineLayoutCreateInfo {
-                set_layout_count: sets.len() as u32,
-                p_set_layouts: sets.as_ptr(),
-                ..*info
-            };
+        // SAFETY: valid usage demands so many layouts.
+        let own = unsafe { slice(info.p_set_layouts, info.set_layout_count) };
+        let sets: SmallVec<[vk::DescriptorSetLayout; 8]> =
+            own.iter().copied().chain([appended.0.set_layout()]).collect();
+        let amended = vk::PipelineLayoutCreateInfo {
+            set_layout_count: sets.len() as u32,
+            p_set_layouts: sets.as_ptr(),
+            ..*info
+        };
+        // SAFETY: the structure is valid with one set more, as `# Safety` demands; the layout is a new one, and nobody else's to destroy.
+        let handle = unsafe {
             let handle = gpu
                 .device
                 .create_pipeline_layout(&amended, None)
                 .map_err(GpuError::from_call("vkCreatePipelineLayout"))?;
-            let handle =
-                Owned::new(gpu, handle, |device, handle| device.destroy_pipeline_layout(handle, None));
-            Ok(Self { handle, set: own.len() as u32 })
-        }
+            Owned::new(gpu, handle, |device, handle| device.destroy_pipeline_layout(handle, None))
+        };
+        Ok(Self { handle, set: own.len() as u32 })
     }
 
     /// The handle, valid as long as `self`.
@@ -145,16 +143,17 @@ pub(crate) unsafe fn pipeline_of_code(
     info: &vk::GraphicsPipelineCreateInfo<'_>,
     code: &[&[u32]],
 ) -> Result<Owned<vk::Pipeline>, GpuError> {
-    // SAFETY: the caller vouches for the structure, which has as many stages as it says.
-    unsafe {
-        let mut stages: SmallVec<[vk::PipelineShaderStageCreateInfo<'_>; 4]> =
-            std::slice::from_raw_parts(info.p_stages, info.stage_count as usize).into();
-        let mut modules: SmallVec<[Owned<vk::ShaderModule>; 4]> = SmallVec::new();
-        for (stage, words) in stages.iter_mut().zip(code) {
-            let module = module_of_words(gpu, words)?;
-            stage.module = module.handle();
-            modules.push(module);
-        }
-        graphics_pipeline(gpu, &vk::GraphicsPipelineCreateInfo { p_stages: stages.as_ptr(), ..*info })
+    // SAFETY: valid usage demands so many stages.
+    let mut stages: SmallVec<[vk::PipelineShaderStageCreateInfo<'_>; 4]> =
+        unsafe { slice(info.p_stages, info.stage_count) }.into();
+    let mut modules: SmallVec<[Owned<vk::ShaderModule>; 4]> = SmallVec::new();
+    for (stage, words) in stages.iter_mut().zip(code) {
+        // SAFETY: the code is valid, as `# Safety` demands.
+        let module = unsafe { module_of_words(gpu, words)? };
+        stage.module = module.handle();
+        modules.push(module);
     }
+    let info = vk::GraphicsPipelineCreateInfo { p_stages: stages.as_ptr(), ..*info };
+    // SAFETY: the structure is valid, as `# Safety` demands, with a live module for each stage.
+    unsafe { graphics_pipeline(gpu, &info) }
 }

@@ -112,18 +112,21 @@ impl SampleTarget {
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: self.extent };
         let (width, height) = (self.extent.width as f32, self.extent.height as f32);
         let viewport = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
-        // SAFETY: the caller vouches for command buffer, pass and sets; the rest is live and made for each other.
+        // SAFETY: the command buffer is recording outside of a render pass, as `# Safety` demands; the pipeline is live.
         unsafe {
             device.cmd_bind_pipeline(commands, graphics, pass.pipeline.handle());
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_set_scissor(commands, 0, &[area]);
-            for (layer, (framebuffer, _)) in (0..).zip(&self.framebuffers) {
-                let Some(set) = sets.get(layer as usize).or(sets.last()) else { return };
+        }
+        for (layer, (framebuffer, _)) in (0..).zip(&self.framebuffers) {
+            let Some(set) = sets.get(layer as usize).or(sets.last()) else { return };
+            let info = vk::RenderPassBeginInfo::default()
+                .render_pass(pass.pass.handle())
+                .framebuffer(framebuffer.handle())
+                .render_area(area);
+            // SAFETY: as above; set and framebuffer are live, and made for the bound pipeline and its pass.
+            unsafe {
                 device.cmd_bind_descriptor_sets(commands, graphics, layout, 0, &[set.handle()], &[]);
-                let info = vk::RenderPassBeginInfo::default()
-                    .render_pass(pass.pass.handle())
-                    .framebuffer(framebuffer.handle())
-                    .render_area(area);
                 device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
                 device.cmd_draw(commands, 3, 1, 3 * layer, 0);
                 device.cmd_end_render_pass(commands);

@@ -153,32 +153,32 @@ unsafe fn create_with_eye_gaze(
     info: &xr::InstanceCreateInfo,
     handle: &mut xr::Instance,
 ) -> (xr::Result, GazeExtension) {
-    // SAFETY: the caller vouches for `info`; the extended copy lives as long as the call.
-    unsafe {
-        match EyeGaze::of(info, below.offered().as_deref()) {
-            EyeGaze::AskedFor => (below.create(info, handle), GazeExtension::Applications),
-            EyeGaze::Unreadable => (below.create(info, handle), GazeExtension::Off),
-            EyeGaze::NotThere => {
-                tracing::info!(
-                    "no eye tracker: this runtime does not capabilities XR_EXT_eye_gaze_interaction; gaze.source = \"osc\" and \"centre\" do not need it"
-                );
-                (below.create(info, handle), GazeExtension::Off)
+    // SAFETY: the arguments are valid, as `# Safety` demands, with the application's structure or an extended copy of it.
+    let mut create = |info: &xr::InstanceCreateInfo| unsafe { below.create(info, handle) };
+    // SAFETY: `info` is valid, as `# Safety` demands.
+    match unsafe { EyeGaze::of(info, below.offered().as_deref()) } {
+        EyeGaze::AskedFor => (create(info), GazeExtension::Applications),
+        EyeGaze::Unreadable => (create(info), GazeExtension::Off),
+        EyeGaze::NotThere => {
+            tracing::info!(
+                "no eye tracker: this runtime does not offer XR_EXT_eye_gaze_interaction; gaze.source = \"osc\" and \"centre\" do not need it"
+            );
+            (create(info), GazeExtension::Off)
+        }
+        EyeGaze::Added(names) => {
+            let extended = xr::InstanceCreateInfo {
+                enabled_extension_count: names.len() as u32,
+                enabled_extension_names: names.as_ptr(),
+                ..*info
+            };
+            let result = create(&extended);
+            if result.into_raw() >= 0 {
+                return (result, GazeExtension::Ours);
             }
-            EyeGaze::Added(names) => {
-                let extended = xr::InstanceCreateInfo {
-                    enabled_extension_count: names.len() as u32,
-                    enabled_extension_names: names.as_ptr(),
-                    ..*info
-                };
-                let result = below.create(&extended, handle);
-                if result.into_raw() >= 0 {
-                    return (result, GazeExtension::Ours);
-                }
-                tracing::info!(
-                    "no eye tracker: xrCreateInstance with XR_EXT_eye_gaze_interaction returned {result:?}"
-                );
-                (below.create(info, handle), GazeExtension::Off)
-            }
+            tracing::info!(
+                "no eye tracker: xrCreateInstance with XR_EXT_eye_gaze_interaction returned {result:?}"
+            );
+            (create(info), GazeExtension::Off)
         }
     }
 }

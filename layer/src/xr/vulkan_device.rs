@@ -64,9 +64,9 @@ impl VulkanDevice {
             std::mem::transmute::<*mut libc::c_void, Option<LoaderGetDeviceProcAddr>>(function)
                 .ok_or(NotLinked::NoLoader)?
         };
-        // SAFETY: the device is live; only our Vulkan half answers this name, with a GetLink. Its table
+        // SAFETY: the device is live, as `# Safety` demands; only our Vulkan half answers this name, with a GetLink. Its table
         // is valid for the life of the process, and `version` comes first in every version of it.
-        unsafe {
+        let table = unsafe {
             let get_link =
                 get_device_proc_addr(device, GET_LINK_NAME.as_ptr()).ok_or(NotLinked::NoVulkanHalf)?;
             let get_link = std::mem::transmute::<unsafe extern "system" fn(), GetLink>(get_link);
@@ -75,17 +75,19 @@ impl VulkanDevice {
             if version != LINK_VERSION || (*table).size as usize != size_of::<LinkTable>() {
                 return Err(NotLinked::OtherVersion(version));
             }
-            let table = *table;
-            let mut record = MaybeUninit::uninit();
-            if (table.device)(device, record.as_mut_ptr()) != 1 {
-                device_armed(Arming::Inert);
-                return Err(NotLinked::Inert);
-            }
-            let record: DeviceRecord = record.assume_init();
-            Arming::from_number(record.arming).inspect(|arming| device_armed(*arming));
-            let queue = (binding.queue_family_index, binding.queue_index);
-            Ok(Self { table, record, queue, capabilities: capabilities(&table, device) })
-        }
+            *table
+        };
+        let mut record = MaybeUninit::<DeviceRecord>::uninit();
+        // SAFETY: a function of the table, with a live device and a record to write to; 1 says that the record was written.
+        let record =
+            unsafe { ((table.device)(device, record.as_mut_ptr()) == 1).then(|| record.assume_init()) };
+        let Some(record) = record else {
+            device_armed(Arming::Inert);
+            return Err(NotLinked::Inert);
+        };
+        Arming::from_number(record.arming).inspect(|arming| device_armed(*arming));
+        let queue = (binding.queue_family_index, binding.queue_index);
+        Ok(Self { table, record, queue, capabilities: capabilities(&table, device) })
     }
 
     /// A device behind a stand-in for the Vulkan half.

@@ -56,21 +56,22 @@ unsafe fn enumerate_ours(
     images: *mut xr::SwapchainImageBaseHeader,
 ) -> xr::Result {
     let ours = substitute.app.images();
-    // SAFETY: valid usage of the function: `count` is valid, `images` an array of `capacity` structures; in a Vulkan session
-    // each is an XrSwapchainImageVulkanKHR, which its type confirms.
+    // SAFETY: valid usage demands that `count` is valid; null is answered all the same.
+    let Some(count) = (unsafe { count.as_mut() }) else { return xr::Result::ERROR_VALIDATION_FAILURE };
+    *count = ours.len() as u32;
+    if capacity == 0 {
+        return xr::Result::SUCCESS;
+    }
+    if (capacity as usize) < ours.len() {
+        return xr::Result::ERROR_SIZE_INSUFFICIENT;
+    }
+    if images.is_null() {
+        return xr::Result::ERROR_VALIDATION_FAILURE;
+    }
+    let images = images.cast::<xr::SwapchainImageVulkanKHR>();
+    // SAFETY: valid usage demands an array of `capacity` structures, which are no fewer than ours; in a Vulkan session each is an
+    // XrSwapchainImageVulkanKHR, which its type confirms.
     unsafe {
-        let Some(count) = count.as_mut() else { return xr::Result::ERROR_VALIDATION_FAILURE };
-        *count = ours.len() as u32;
-        if capacity == 0 {
-            return xr::Result::SUCCESS;
-        }
-        if (capacity as usize) < ours.len() {
-            return xr::Result::ERROR_SIZE_INSUFFICIENT;
-        }
-        if images.is_null() {
-            return xr::Result::ERROR_VALIDATION_FAILURE;
-        }
-        let images = images.cast::<xr::SwapchainImageVulkanKHR>();
         let is_vulkan = |at| (*images.add(at)).ty == xr::SwapchainImageVulkanKHR::TYPE;
         if !(0..ours.len()).all(is_vulkan) {
             return xr::Result::ERROR_VALIDATION_FAILURE;

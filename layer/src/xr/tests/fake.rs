@@ -103,25 +103,21 @@ unsafe extern "system" fn get_instance_proc_addr(
     name: *const c_char,
     function: *mut Option<pfn::VoidFunction>,
 ) -> xr::Result {
-    // SAFETY: any function pointer may be carried as PFN_xrVoidFunction; the arguments are valid.
-    unsafe {
-        let name = CStr::from_ptr(name).to_str().unwrap();
-        let found = match name {
-            "xrEnumerateInstanceExtensionProperties" => transmute::<
-                pfn::EnumerateInstanceExtensionProperties,
-                pfn::VoidFunction,
-            >(enumerate_extensions),
-            "xrCreateSession" => transmute::<pfn::CreateSession, pfn::VoidFunction>(create_session),
-            "xrDestroyInstance" => transmute::<pfn::DestroyInstance, pfn::VoidFunction>(destroy_instance),
-            "xrAttachSessionActionSets" => {
-                transmute::<pfn::AttachSessionActionSets, pfn::VoidFunction>(attach)
-            }
-            "xrEndFrame" => transmute::<pfn::EndFrame, pfn::VoidFunction>(end_frame),
-            "xrNoSuchFunction" => return xr::Result::ERROR_FUNCTION_UNSUPPORTED,
-            _ => frames::function(name).unwrap_or(never_called),
-        };
-        *function = Some(found);
-    }
+    // SAFETY: the name is a string.
+    let name = unsafe { CStr::from_ptr(name) }.to_str().unwrap();
+    let address = match name {
+        "xrEnumerateInstanceExtensionProperties" => {
+            enumerate_extensions as pfn::EnumerateInstanceExtensionProperties as *const ()
+        }
+        "xrCreateSession" => create_session as pfn::CreateSession as *const (),
+        "xrDestroyInstance" => destroy_instance as pfn::DestroyInstance as *const (),
+        "xrAttachSessionActionSets" => attach as pfn::AttachSessionActionSets as *const (),
+        "xrEndFrame" => end_frame as pfn::EndFrame as *const (),
+        "xrNoSuchFunction" => return xr::Result::ERROR_FUNCTION_UNSUPPORTED,
+        _ => frames::function(name).unwrap_or(never_called) as *const (),
+    };
+    // SAFETY: the address of a function, carried as PFN_xrVoidFunction and cast back by its name; there is a place for it.
+    unsafe { *function = Some(transmute::<*const (), pfn::VoidFunction>(address)) };
     xr::Result::SUCCESS
 }
 

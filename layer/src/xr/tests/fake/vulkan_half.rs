@@ -191,23 +191,28 @@ unsafe extern "C" fn swapchain(_: vk::Device, record: *const SwapchainRecord) {
 /// Plans are awaited at once, as by an application that submits straight after it has located its views.
 unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
     // SAFETY: the other half passes valid records, or null.
-    unsafe {
+    let (settings, plan, awaited) = unsafe {
         let FrameStart { settings, plan, awaited } = *start;
-        if let Some(AwaitedPlan { finish: Some(finish), context }) = awaited.as_ref() {
-            finish(*context);
-            return take_plans();
-        }
-        note("begin_frame");
-        if let Some(SettingsRecord { is_on, backend, passes, passes_len, .. }) = settings.as_ref() {
-            let passes = String::from_utf8(slice(*passes, *passes_len).to_vec()).unwrap();
-            IS_ON.set(*is_on == 1);
-            tell(Told::Settings { is_on: *is_on, backend: *backend, passes });
-        }
-        if let Some(PlanRecord { serial, eyes }) = plan.as_ref() {
-            let rates = eyes.map(|eye| slice(eye.rates, eye.tiles[0] * eye.tiles[1]).to_vec());
-            let plan = Told::Plan { serial: *serial, extents: eyes.map(|eye| eye.extent), rates };
-            PLANS.lock().unwrap().push((device.as_raw(), plan));
-        }
+        (settings.as_ref(), plan.as_ref(), awaited.as_ref())
+    };
+    if let Some(AwaitedPlan { finish: Some(finish), context }) = awaited {
+        // SAFETY: the function of the record, with its context.
+        unsafe { finish(*context) };
+        return take_plans();
+    }
+    note("begin_frame");
+    if let Some(SettingsRecord { is_on, backend, passes, passes_len, .. }) = settings {
+        // SAFETY: the record says how long it is.
+        let passes = unsafe { slice(*passes, *passes_len) };
+        IS_ON.set(*is_on == 1);
+        let passes = String::from_utf8(passes.to_vec()).unwrap();
+        tell(Told::Settings { is_on: *is_on, backend: *backend, passes });
+    }
+    if let Some(PlanRecord { serial, eyes }) = plan {
+        // SAFETY: a map has a rate for each tile.
+        let rates = eyes.map(|eye| unsafe { slice(eye.rates, eye.tiles[0] * eye.tiles[1]) }.to_vec());
+        let plan = Told::Plan { serial: *serial, extents: eyes.map(|eye| eye.extent), rates };
+        PLANS.lock().unwrap().push((device.as_raw(), plan));
     }
 }
 

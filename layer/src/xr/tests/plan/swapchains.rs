@@ -6,31 +6,32 @@ use super::*;
 fn images_are_told_once_and_their_end_before_it_comes() {
     let application = Application::new();
     told();
-    // SAFETY: valid arguments; the structures are plain data, for which all zero is a valid value.
-    unsafe {
-        let mut count = 0;
-        let swapchain = application.swapchain;
-        swapchain::enumerate_images(swapchain, 0, &mut count, ptr::null_mut());
-        assert_eq!(told(), [], "only counted");
-        let mut images: [xr::SwapchainImageVulkanKHR; 3] = std::mem::zeroed();
-        images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
-        for expected in [true, false] {
-            swapchain::enumerate_images(swapchain, 3, &mut count, images.as_mut_ptr().cast());
-            let told = told();
-            assert_eq!(!told.is_empty(), expected, "{told:?}");
-            let record = Told::Swapchain {
-                swapchain: swapchain.into_raw(),
-                images: IMAGES.to_vec(),
-                extent: [SIDE as u32 * 2, SIDE as u32],
-                usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
-            };
-            assert!(told.iter().all(|told| *told == record), "{told:?}");
-        }
-        assert_eq!(swapchain::destroy(swapchain), xr::Result::SUCCESS);
+    let swapchain = application.swapchain;
+    let mut count = 0;
+    // SAFETY: valid arguments, to count.
+    unsafe { swapchain::enumerate_images(swapchain, 0, &mut count, ptr::null_mut()) };
+    assert_eq!(told(), [], "only counted");
+    // SAFETY: the structures are plain data, for which all zero is a valid value.
+    let mut images: [xr::SwapchainImageVulkanKHR; 3] = unsafe { std::mem::zeroed() };
+    images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
+    for expected in [true, false] {
+        // SAFETY: valid arguments: as many structures as it is told.
+        unsafe { swapchain::enumerate_images(swapchain, 3, &mut count, images.as_mut_ptr().cast()) };
         let told = told();
-        let [Told::Swapchain { images, .. }] = &told[..] else { panic!("{told:?}") };
-        assert!(images.is_empty());
+        assert_eq!(!told.is_empty(), expected, "{told:?}");
+        let record = Told::Swapchain {
+            swapchain: swapchain.into_raw(),
+            images: IMAGES.to_vec(),
+            extent: [SIDE as u32 * 2, SIDE as u32],
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        };
+        assert!(told.iter().all(|told| *told == record), "{told:?}");
     }
+    // SAFETY: a live swapchain, not used after this.
+    assert_eq!(unsafe { swapchain::destroy(swapchain) }, xr::Result::SUCCESS);
+    let told = told();
+    let [Told::Swapchain { images, .. }] = &told[..] else { panic!("{told:?}") };
+    assert!(images.is_empty());
 }
 
 #[test]
