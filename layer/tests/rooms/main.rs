@@ -1,4 +1,4 @@
-//! The rooms of the library, which are the folders of `layer/src`, import each other without circles.
+//! The rooms of the library, which are the folders of `layer/src`, import each other without circles; its unsafe blocks are short.
 //!
 //! `vk` and `backend` are several rooms: each of their folders and files is one. Unit tests are left out, and so are the re-exports of the file that
 //! declares a room's parts.
@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, reason = "a test")]
 
 mod imports;
+mod unsafe_blocks;
 
 use imports::{Import, imports};
 use std::collections::{BTreeMap, BTreeSet};
