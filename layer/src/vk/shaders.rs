@@ -4,6 +4,7 @@ pub mod effects;
 mod known;
 mod modules;
 pub mod parts;
+pub mod spirv;
 
 pub use effects::{Effects, FragmentShaders};
 pub use known::KnownShaders;

@@ -11,13 +11,14 @@
 //! - Nothing is discarded. Where the shader itself neither discards nor writes depth or coverage, the samples that pass depth
 //!   tests are those that would, and their depth is written. An early fragment's outputs are zero.
 //!
-//! Numbers are those of the SPIR-V specification, section 3. The result depends on the module alone: it is the same in every run.
+//! The result depends on the module alone: it is the same in every run.
 //!
 //! [`EarlyReturnParams`]: parafovea_core::mask::EarlyReturnParams
 
 mod module;
 
-use module::{Assembly, Instruction, Parsed, op, text};
+use crate::vk::shaders::spirv::{Instruction, MODEL_FRAGMENT, built_in, class, decoration, op, text};
+use module::{Assembly, Parsed};
 use thiserror::Error;
 
 /// The wanted shader.
@@ -52,29 +53,9 @@ pub enum NoEarlyReturn {
 /// Words of [`EarlyReturnParams`](parafovea_core::mask::EarlyReturnParams).
 const PARAMS: usize = size_of::<parafovea_core::mask::EarlyReturnParams>() / 4;
 
-const MODEL_FRAGMENT: u32 = 4;
 const VERSION_1_3: u32 = 0x0001_0300;
 const VERSION_1_4: u32 = 0x0001_0400;
-const CLASS_INPUT: u32 = 1;
-const CLASS_UNIFORM: u32 = 2;
-const CLASS_OUTPUT: u32 = 3;
-const CLASS_STORAGE_BUFFER: u32 = 12;
 const CAPABILITY_MULTI_VIEW: u32 = 4439;
-const FRAG_COORD: u32 = 15;
-const VIEW_INDEX: u32 = 4440;
-
-mod decoration {
-    pub const RELAXED_PRECISION: u32 = 0;
-    pub const BLOCK: u32 = 2;
-    pub const BUFFER_BLOCK: u32 = 3;
-    pub const ARRAY_STRIDE: u32 = 6;
-    pub const BUILT_IN: u32 = 11;
-    pub const FLAT: u32 = 14;
-    pub const NON_WRITABLE: u32 = 24;
-    pub const BINDING: u32 = 33;
-    pub const DESCRIPTOR_SET: u32 = 34;
-    pub const OFFSET: u32 = 35;
-}
 
 /// Capabilities of operations whose results depend on which other fragments there are: votes, arithmetic, ballots, shuffles,
 /// clusters, their extensions, and rotations.
@@ -206,7 +187,7 @@ impl<'a> Patch<'a> {
             .copied()
             .find(|id| parsed.is_decorated(*id, &[decoration::BUILT_IN, which]));
         let Some(own) = own else {
-            let id = self.variable(parsed, CLASS_INPUT, of);
+            let id = self.variable(parsed, class::INPUT, of);
             self.decorations.push(op::DECORATE, &[id, decoration::BUILT_IN, which]);
             self.entry.interface.push(id);
             return Ok((id, of));
@@ -221,8 +202,8 @@ impl<'a> Patch<'a> {
     fn template(&mut self, parsed: &Parsed<'_>, uint: u32) -> u32 {
         // Storage buffers have a class of their own from 1.3 on, and from 1.4 on all variables are in the interface.
         let (class, block) = match self.version >= VERSION_1_3 {
-            true => (CLASS_STORAGE_BUFFER, decoration::BLOCK),
-            false => (CLASS_UNIFORM, decoration::BUFFER_BLOCK),
+            true => (class::STORAGE_BUFFER, decoration::BLOCK),
+            false => (class::UNIFORM, decoration::BUFFER_BLOCK),
         };
         let array = self.fresh(op::TYPE_RUNTIME_ARRAY, &[uint]);
         let structure = self.fresh(op::TYPE_STRUCT, &[array]);
@@ -240,7 +221,7 @@ impl<'a> Patch<'a> {
         for member in 0..PARAMS as u32 {
             self.decorations.push(op::MEMBER_DECORATE, &[structure, member, decoration::OFFSET, 4 * member]);
         }
-        self.bound_to(parsed, (CLASS_UNIFORM, structure), 1)
+        self.bound_to(parsed, (class::UNIFORM, structure), 1)
     }
 
     fn bound_to(&mut self, parsed: &Parsed<'_>, (class, structure): (u32, u32), binding: u32) -> u32 {
@@ -260,15 +241,15 @@ impl<'a> Patch<'a> {
         let uint = self.declared(parsed, op::TYPE_INT, &[32, 0]);
         let float = self.declared(parsed, op::TYPE_FLOAT, &[32]);
         let vec4 = self.declared(parsed, op::TYPE_VECTOR, &[float, 4]);
-        let (position, position_type) = self.built_in(parsed, FRAG_COORD, vec4)?;
+        let (position, position_type) = self.built_in(parsed, built_in::FRAG_COORD, vec4)?;
         let view = match self.wanted.by_view {
             true => Some(self.view(parsed, uint)?),
             false => None,
         };
         let (template, params) = (self.template(parsed, uint), self.params(parsed, uint));
-        let param = self.declared(parsed, op::TYPE_POINTER, &[CLASS_UNIFORM, uint]);
+        let param = self.declared(parsed, op::TYPE_POINTER, &[class::UNIFORM, uint]);
         let word = match self.version >= VERSION_1_3 {
-            true => self.declared(parsed, op::TYPE_POINTER, &[CLASS_STORAGE_BUFFER, uint]),
+            true => self.declared(parsed, op::TYPE_POINTER, &[class::STORAGE_BUFFER, uint]),
             false => param,
         };
         let constants: [u32; PARAMS] = std::array::from_fn(|value| self.constant(uint, value as u32));
@@ -321,7 +302,7 @@ impl<'a> Patch<'a> {
     fn outputs(&mut self, parsed: &Parsed<'_>) -> Vec<(u32, u32)> {
         let interface = self.entry.interface.clone();
         let colors = interface.into_iter().filter(|id| {
-            parsed.class(*id) == Some(CLASS_OUTPUT) && !parsed.has_decoration(*id, decoration::BUILT_IN)
+            parsed.class(*id) == Some(class::OUTPUT) && !parsed.has_decoration(*id, decoration::BUILT_IN)
         });
         colors.filter_map(|id| Some((id, self.fresh_zero(parsed.pointee(id)?)))).collect()
     }
@@ -334,7 +315,7 @@ impl<'a> Patch<'a> {
 
     fn view(&mut self, parsed: &Parsed<'_>, uint: u32) -> Result<(u32, u32), NoEarlyReturn> {
         let known = self.entry.interface.len();
-        let view = self.built_in(parsed, VIEW_INDEX, uint)?;
+        let view = self.built_in(parsed, built_in::VIEW_INDEX, uint)?;
         if self.entry.interface.len() > known {
             self.decorations.push(op::DECORATE, &[view.0, decoration::FLAT]);
         }

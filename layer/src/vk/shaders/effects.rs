@@ -1,8 +1,9 @@
 //! Effects of fragment shaders that shading rates must not change, read from their SPIR-V.
 //!
 //! A shader that stores to memory, counts, or writes identifiers runs once for each pixel in the application's mind;
-//! once for each block it would leave holes. Numbers are those of the SPIR-V specification, section 3.
+//! once for each block it would leave holes.
 
+use super::spirv::{self, Instruction, MODEL_FRAGMENT, built_in, class, decoration, op};
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
@@ -94,63 +95,10 @@ impl FromIterator<(Box<str>, Effects)> for FragmentShaders {
     }
 }
 
-const MAGIC: u32 = 0x0723_0203;
-const HEADER: usize = 5;
-
-mod op {
-    pub const ENTRY_POINT: u32 = 15;
-    pub const EXECUTION_MODE: u32 = 16;
-    pub const TYPE_INT: u32 = 21;
-    pub const TYPE_VECTOR: u32 = 23;
-    pub const TYPE_ARRAY: u32 = 28;
-    pub const TYPE_POINTER: u32 = 32;
-    pub const FUNCTION: u32 = 54;
-    pub const FUNCTION_PARAMETER: u32 = 55;
-    pub const FUNCTION_END: u32 = 56;
-    pub const FUNCTION_CALL: u32 = 57;
-    pub const VARIABLE: u32 = 59;
-    pub const IMAGE_TEXEL_POINTER: u32 = 60;
-    pub const LOAD: u32 = 61;
-    pub const STORE: u32 = 62;
-    pub const COPY_MEMORY: u32 = 63;
-    pub const COPY_MEMORY_SIZED: u32 = 64;
-    pub const ACCESS_CHAIN: u32 = 65;
-    pub const IN_BOUNDS_ACCESS_CHAIN: u32 = 66;
-    pub const PTR_ACCESS_CHAIN: u32 = 67;
-    pub const IN_BOUNDS_PTR_ACCESS_CHAIN: u32 = 70;
-    pub const DECORATE: u32 = 71;
-    pub const MEMBER_DECORATE: u32 = 72;
-    pub const COPY_OBJECT: u32 = 83;
-    pub const IMAGE_WRITE: u32 = 99;
-    pub const CONVERT_U_TO_PTR: u32 = 120;
-    pub const BITCAST: u32 = 124;
-    pub const SELECT: u32 = 169;
-    pub const ATOMIC_STORE: u32 = 228;
-    pub const ATOMIC_EXCHANGE: u32 = 229;
-    pub const ATOMIC_XOR: u32 = 242;
-    pub const PHI: u32 = 245;
-    pub const ATOMIC_FLAG_TEST_AND_SET: u32 = 318;
-    pub const ATOMIC_FLAG_CLEAR: u32 = 319;
-    pub const BEGIN_INTERLOCK: u32 = 5364;
-    pub const ATOMIC_F_MIN: u32 = 5614;
-    pub const ATOMIC_F_MAX: u32 = 5615;
-    pub const ATOMIC_F_ADD: u32 = 6035;
-}
-
-const MODEL_FRAGMENT: u32 = 4;
-const DECORATION_SAMPLE: u32 = 17;
-const DECORATION_BUILT_IN: u32 = 11;
-const BUILT_IN_SAMPLE_ID: u32 = 18;
-const BUILT_IN_SAMPLE_POSITION: u32 = 19;
-const BUILT_IN_SAMPLE_MASK: u32 = 20;
 const MODE_DEPTH_REPLACING: u32 = 12;
 const MODE_STENCIL_REF_REPLACING: u32 = 5027;
 /// PixelInterlockOrderedEXT to ShadingRateInterlockUnorderedEXT.
 const MODES_INTERLOCK: std::ops::RangeInclusive<u32> = 5366..=5371;
-const CLASS_INPUT: u32 = 1;
-const CLASS_OUTPUT: u32 = 3;
-const CLASS_PRIVATE: u32 = 6;
-const CLASS_FUNCTION: u32 = 7;
 
 struct EntryPoint {
     name: Box<str>,
@@ -192,19 +140,11 @@ struct Module {
 
 impl Module {
     fn read(words: &[u32]) -> Option<Self> {
-        if words.first() != Some(&MAGIC) {
-            return None;
-        }
         let mut module = Self::default();
         let mut function = None;
-        let mut rest = words.get(HEADER..)?;
-        while let Some(&first) = rest.first() {
-            let (length, op) = ((first >> 16) as usize, first & 0xffff);
-            if length == 0 {
-                return None;
-            }
-            module.instruction(op, rest.get(1..length)?, &mut function)?;
-            rest = &rest[length..];
+        for found in spirv::instructions(words)? {
+            let Instruction { op, operands } = found?;
+            module.instruction(op, operands, &mut function)?;
         }
         Some(module)
     }
@@ -214,10 +154,10 @@ impl Module {
         let operand = |index: usize| operands.get(index).copied();
         match op {
             op::ENTRY_POINT if operand(0)? == MODEL_FRAGMENT => {
-                let (name, words) = text(operands.get(2..)?)?;
+                let (name, words) = spirv::text(operands.get(2..)?)?;
                 let interface = operands.get(2 + words..)?.to_vec();
                 self.entry_points.push(EntryPoint {
-                    name,
+                    name: String::from_utf8(name).ok()?.into(),
                     function: operand(1)?,
                     interface,
                     modes: Vec::new(),
@@ -229,11 +169,11 @@ impl Module {
                     entry.modes.push(mode);
                 }
             }
-            op::DECORATE if operand(1)? == DECORATION_BUILT_IN => {
+            op::DECORATE if operand(1)? == decoration::BUILT_IN => {
                 self.built_ins.insert(operand(0)?, operand(2)?);
             }
-            op::DECORATE if operand(1)? == DECORATION_SAMPLE => self.per_sample.push(operand(0)?),
-            op::MEMBER_DECORATE if operand(2)? == DECORATION_SAMPLE => self.has_per_sample_members = true,
+            op::DECORATE if operand(1)? == decoration::SAMPLE => self.per_sample.push(operand(0)?),
+            op::MEMBER_DECORATE if operand(2)? == decoration::SAMPLE => self.has_per_sample_members = true,
             op::TYPE_INT => drop(self.types.insert(operand(0)?, Type::Integer)),
             op::TYPE_VECTOR | op::TYPE_ARRAY => {
                 self.types.insert(operand(0)?, Type::Elements(operand(1)?));
@@ -277,7 +217,9 @@ impl Module {
     fn is_memory(&self, pointer: u32) -> bool {
         let pointer_type = self.results.get(&pointer).and_then(|result| self.types.get(result));
         match pointer_type {
-            Some(&Type::Pointer(class, _)) => ![CLASS_OUTPUT, CLASS_PRIVATE, CLASS_FUNCTION].contains(&class),
+            Some(&Type::Pointer(class, _)) => {
+                ![class::OUTPUT, class::PRIVATE, class::FUNCTION].contains(&class)
+            }
             _ => true,
         }
     }
@@ -286,20 +228,20 @@ impl Module {
         let has_mode = |mode: u32| entry.modes.contains(&mode);
         let reached = self.reached(entry.function);
         let variables = || entry.interface.iter().filter_map(|&id| Some((id, self.pointer(id)?)));
-        let built_in = |wanted: u32| entry.interface.iter().any(|id| self.built_ins.get(id) == Some(&wanted));
+        let reads = |wanted: u32| entry.interface.iter().any(|id| self.built_ins.get(id) == Some(&wanted));
         Effects {
             stores: reached.iter().any(|function| function.stores),
             interlocks: entry.modes.iter().any(|mode| MODES_INTERLOCK.contains(mode))
                 || reached.iter().any(|function| function.interlocks),
-            per_sample: built_in(BUILT_IN_SAMPLE_ID)
-                || built_in(BUILT_IN_SAMPLE_POSITION)
+            per_sample: reads(built_in::SAMPLE_ID)
+                || reads(built_in::SAMPLE_POSITION)
                 || self.has_per_sample_members
-                || variables().any(|(id, (class, _))| class == CLASS_INPUT && self.per_sample.contains(&id)),
+                || variables().any(|(id, (class, _))| class == class::INPUT && self.per_sample.contains(&id)),
             writes_integers: variables().any(|(id, (class, pointee))| {
-                class == CLASS_OUTPUT && !self.built_ins.contains_key(&id) && self.is_integer(pointee)
+                class == class::OUTPUT && !self.built_ins.contains_key(&id) && self.is_integer(pointee)
             }),
             writes_depth_stencil: has_mode(MODE_DEPTH_REPLACING) || has_mode(MODE_STENCIL_REF_REPLACING),
-            uses_sample_mask: built_in(BUILT_IN_SAMPLE_MASK),
+            uses_sample_mask: reads(built_in::SAMPLE_MASK),
         }
     }
 
@@ -355,14 +297,6 @@ fn makes_pointers(op: u32) -> bool {
             | op::SELECT
             | op::PHI
     )
-}
-
-/// A string, and how many words it takes.
-fn text(words: &[u32]) -> Option<(Box<str>, usize)> {
-    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-    let length = bytes.iter().position(|&byte| byte == 0)?;
-    let text = std::str::from_utf8(&bytes[..length]).ok()?;
-    Some((text.into(), length / 4 + 1))
 }
 
 #[cfg(test)]

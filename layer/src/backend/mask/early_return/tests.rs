@@ -118,7 +118,7 @@ fn what_is_not_understood_is_left_alone() {
     let first = parsed.instructions.iter().position(|found| found.op == op::DECORATE).unwrap();
     let at = 5 + parsed.instructions[..first].iter().map(|found| found.operands.len() + 1).sum::<usize>();
     let entry = Entry::of(&parsed, "placed").unwrap();
-    let is_position = |id: &&u32| parsed.is_decorated(**id, &[decoration::BUILT_IN, FRAG_COORD]);
+    let is_position = |id: &&u32| parsed.is_decorated(**id, &[decoration::BUILT_IN, built_in::FRAG_COORD]);
     let position = *entry.interface.iter().find(is_position).unwrap();
     relaxed.splice(at..at, [3 << 16 | op::DECORATE, position, decoration::RELAXED_PRECISION]);
     assert_eq!(returning_early(&relaxed, wanted("placed")), Err(NoEarlyReturn::Position));

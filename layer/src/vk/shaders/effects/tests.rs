@@ -1,4 +1,5 @@
 use super::*;
+use crate::vk::shaders::spirv::MAGIC;
 use proptest::prelude::*;
 
 /// Instructions of a module, each an operation and its operands.
@@ -64,7 +65,7 @@ fn variable(id: u32, class: u32, of: u32) -> [(u32, Vec<u32>); 2] {
 fn with_variable(id: u32, class: u32, of: u32, built_in: Option<u32>) -> Effects {
     let [pointer, variable] = variable(id, class, of);
     let mut more: Vec<(u32, &[u32])> = Vec::new();
-    let decoration = [id, DECORATION_BUILT_IN, built_in.unwrap_or(0)];
+    let decoration = [id, decoration::BUILT_IN, built_in.unwrap_or(0)];
     if built_in.is_some() {
         more.push((op::DECORATE, &decoration));
     }
@@ -75,30 +76,30 @@ fn with_variable(id: u32, class: u32, of: u32, built_in: Option<u32>) -> Effects
 
 #[test]
 fn a_plain_shader_has_no_effects() {
-    assert_eq!(with_variable(OUT, CLASS_OUTPUT, FLOAT, None), Effects::default());
+    assert_eq!(with_variable(OUT, class::OUTPUT, FLOAT, None), Effects::default());
 }
 
 #[test]
 fn integer_outputs_are_identifiers_unless_they_are_built_in() {
     for of in [INT, VECTOR] {
-        assert!(with_variable(OUT, CLASS_OUTPUT, of, None).writes_integers);
+        assert!(with_variable(OUT, class::OUTPUT, of, None).writes_integers);
     }
-    assert!(!with_variable(IN, CLASS_INPUT, INT, None).writes_integers, "flat inputs");
-    let mask = with_variable(OUT, CLASS_OUTPUT, INT, Some(BUILT_IN_SAMPLE_MASK));
+    assert!(!with_variable(IN, class::INPUT, INT, None).writes_integers, "flat inputs");
+    let mask = with_variable(OUT, class::OUTPUT, INT, Some(built_in::SAMPLE_MASK));
     assert_eq!(mask, Effects { uses_sample_mask: true, ..Effects::default() });
 }
 
 #[test]
 fn shaders_of_samples_are_seen() {
-    for built_in in [BUILT_IN_SAMPLE_ID, BUILT_IN_SAMPLE_POSITION] {
-        assert!(with_variable(IN, CLASS_INPUT, INT, Some(built_in)).per_sample);
+    for built_in in [built_in::SAMPLE_ID, built_in::SAMPLE_POSITION] {
+        assert!(with_variable(IN, class::INPUT, INT, Some(built_in)).per_sample);
     }
-    let [pointer, input] = variable(IN, CLASS_INPUT, FLOAT);
-    let sample: (u32, &[u32]) = (op::DECORATE, &[IN, DECORATION_SAMPLE]);
+    let [pointer, input] = variable(IN, class::INPUT, FLOAT);
+    let sample: (u32, &[u32]) = (op::DECORATE, &[IN, decoration::SAMPLE]);
     let more = [sample, (pointer.0, &pointer.1), (input.0, &input.1)];
     assert!(effects(&shader(&[IN], &more, &[], &[])).per_sample);
     assert!(
-        effects(&shader(&[], &[(op::MEMBER_DECORATE, &[40, 0, DECORATION_SAMPLE])], &[], &[])).per_sample
+        effects(&shader(&[], &[(op::MEMBER_DECORATE, &[40, 0, decoration::SAMPLE])], &[], &[])).per_sample
     );
 }
 
@@ -124,7 +125,7 @@ fn stores_into(class: u32) -> bool {
 
 #[test]
 fn stores_count_where_others_can_see_them() {
-    for class in [CLASS_OUTPUT, CLASS_PRIVATE, CLASS_FUNCTION] {
+    for class in [class::OUTPUT, class::PRIVATE, class::FUNCTION] {
         assert!(!stores_into(class), "{class}");
     }
     // Uniform (with BufferBlock), StorageBuffer, PhysicalStorageBuffer.
