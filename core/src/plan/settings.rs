@@ -20,8 +20,8 @@ pub struct PlanSettings {
     pub safety: SafetySettings,
     /// Rates and tile size of the device.
     pub device: DeviceRates,
-    /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::by_contrast`] is what the kernel `decide` is to be given there, and
-    /// the plan's own rates are those of fixed foveation, for where that is not possible.
+    /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::by_contrast`] is the input of the kernel `decide`, and the plan's
+    /// own rates are those of fixed foveation, the fallback without that kernel.
     pub contrast_on_gpu: bool,
 }
 

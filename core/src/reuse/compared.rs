@@ -16,8 +16,8 @@ pub struct ComparedTiles {
 
 impl ComparedTiles {
     /// Takes the fresh tiles of the newest image that `is_wanted` accepts, each with the oldest image of at most `oldest` images ago in
-    /// which all of it was rendered: its content without the update. So what is rendered in each frame because it changes is judged as what
-    /// is not.
+    /// which all of it was rendered: its content without the update. So changing content, rendered in each frame, is judged like content that
+    /// is rendered seldom.
     pub fn update(&mut self, reuse: &Reuse, oldest: usize, is_wanted: impl Fn([u32; 2]) -> bool) {
         self.clear();
         self.places.begin(reuse, 0.0);

@@ -271,4 +271,4 @@ fn first(against: &[(bool, Unmasked)]) -> Result<(), Unmasked> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -93,35 +93,13 @@ fn allows_return(reason: Unmasked) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::mask::eligibility::tests::{color, depth};
     use crate::backend::mask::eligibility::{ColorFacts, DepthFacts, PipelineFacts};
     use crate::pass_detection::PassFacts;
     use ash::vk;
 
     const KEEPING: Returns = Returns { any: true, keeping_coverage: true };
     const ANY: Returns = Returns { any: true, keeping_coverage: false };
-
-    fn color() -> ColorFacts {
-        let samples = vk::SampleCountFlags::TYPE_1;
-        ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples, is_stored: true, is_fillable: true }
-    }
-
-    fn depth() -> DepthFacts {
-        DepthFacts {
-            format: vk::Format::D32_SFLOAT,
-            samples: vk::SampleCountFlags::TYPE_1,
-            usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
-            clear: 1.0,
-            is_loaded: false,
-            is_loadable: true,
-            is_covered: false,
-            is_read_within: false,
-            stores_stencil: false,
-            is_loaded_later: false,
-            is_submitted: false,
-            is_writable: true,
-            is_readable: true,
-        }
-    }
 
     /// By depth, queries and fragment shaders of a pass.
     fn of(

@@ -5,12 +5,9 @@ use parafovea_core::mask::NoNearValue;
 const ONE: vk::SampleCountFlags = vk::SampleCountFlags::TYPE_1;
 const FOUR: vk::SampleCountFlags = vk::SampleCountFlags::TYPE_4;
 
-/// A plain forward pass, changed by `change`.
-fn judged(
-    change: impl FnOnce(&mut PassFacts, &mut DepthFacts, &mut ColorFacts, &mut PipelineFacts),
-) -> Result<Eligible, Unmasked> {
-    let mut pass = PassFacts { clears_depth: true, ..PassFacts::default() };
-    let mut depth = DepthFacts {
+/// Depth of a plain forward pass.
+pub fn depth() -> DepthFacts {
+    DepthFacts {
         format: vk::Format::D32_SFLOAT,
         samples: ONE,
         usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
@@ -24,9 +21,20 @@ fn judged(
         is_submitted: false,
         is_writable: true,
         is_readable: true,
-    };
-    let mut color =
-        ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true };
+    }
+}
+
+/// Colour of a plain forward pass.
+pub fn color() -> ColorFacts {
+    ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true }
+}
+
+/// A plain forward pass, changed by `change`.
+fn judged(
+    change: impl FnOnce(&mut PassFacts, &mut DepthFacts, &mut ColorFacts, &mut PipelineFacts),
+) -> Result<Eligible, Unmasked> {
+    let mut pass = PassFacts { clears_depth: true, ..PassFacts::default() };
+    let (mut depth, mut color) = (depth(), color());
     let mut pipelines = PipelineFacts::default();
     pipelines.directions.see(vk::CompareOp::LESS);
     change(&mut pass, &mut depth, &mut color, &mut pipelines);
