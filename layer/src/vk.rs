@@ -9,17 +9,8 @@
 
 use std::ffi::CStr;
 
-/// The application's call as it is, to the function of the layer below, which `$find` finds for `$object`; `$failed` where there is
-/// none. For what [`guard`](crate::abi::guard()) does after a panic.
-macro_rules! pass_on {
-    ($find:path: $object:ident, $field:ident($($argument:expr),*), $failed:expr) => {
-        match $find($object, |next| next.$field) {
-            Some((_, next)) => next($($argument),*),
-            None => $failed,
-        }
-    };
-}
-
+#[macro_use]
+mod hook;
 #[macro_use]
 mod functions;
 

@@ -6,12 +6,12 @@ mod maps;
 use super::armed::Armed;
 use super::candidates::{Candidate, Need};
 use super::{device, recording, runtime_section};
+use crate::abi::copies::slice;
 use crate::abi::guard;
 use crate::pass_detection::{Event, Part, Unmasked};
 use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
-use std::slice;
 use std::sync::Arc;
 
 /// `vkQueueSubmit`.
@@ -21,30 +21,18 @@ pub unsafe extern "system" fn submit(
     submits: *const vk::SubmitInfo<'_>,
     fence: vk::Fence,
 ) -> vk::Result {
-    // SAFETY: the application's own arguments: `count` valid structures with their arrays.
-    guard(
-        "vkQueueSubmit",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: queue,
-                queue_submit(queue, count, submits, fence),
-                vk::Result::ERROR_INITIALIZATION_FAILED
-            )
-        },
-        |answer| unsafe {
-            let Some((known, next)) = device::with(queue, |next| next.queue_submit) else {
-                return vk::Result::ERROR_INITIALIZATION_FAILED;
-            };
-            if let Some(armed) = &known.armed {
-                let buffers = array(submits, count)
-                    .iter()
-                    .flat_map(|submit| array(submit.p_command_buffers, submit.command_buffer_count));
-                prepare_or_leave(armed, known.is_active(), queue, buffers.copied());
-            }
-            answer.record(next(queue, count, submits, fence))
-        },
-    )
+    hook!("vkQueueSubmit", device::with, queue_submit(queue, count, submits, fence), |known, next| {
+        if let Some(armed) = &known.armed {
+            // SAFETY: valid usage demands so many structures, each with so many command buffers.
+            let buffers = unsafe { slice(submits, count) }
+                .iter()
+                // SAFETY: as above.
+                .flat_map(|submit| unsafe { slice(submit.p_command_buffers, submit.command_buffer_count) });
+            // SAFETY: the queue is live, and this thread may use it: vkQueueSubmit demands external synchronisation.
+            unsafe { prepare_or_leave(armed, known.is_active(), queue, buffers.copied()) };
+        }
+        next()
+    })
 }
 
 /// `vkQueueSubmit2`.
@@ -54,30 +42,19 @@ pub unsafe extern "system" fn submit2(
     submits: *const vk::SubmitInfo2<'_>,
     fence: vk::Fence,
 ) -> vk::Result {
-    // SAFETY: the application's own arguments: `count` valid structures with their arrays.
-    guard(
-        "vkQueueSubmit2",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: queue,
-                queue_submit2(queue, count, submits, fence),
-                vk::Result::ERROR_INITIALIZATION_FAILED
-            )
-        },
-        |answer| unsafe {
-            let Some((known, next)) = device::with(queue, |next| next.queue_submit2) else {
-                return vk::Result::ERROR_INITIALIZATION_FAILED;
+    hook!("vkQueueSubmit2", device::with, queue_submit2(queue, count, submits, fence), |known, next| {
+        if let Some(armed) = &known.armed {
+            // SAFETY: valid usage demands so many structures, each with so many command buffers.
+            let buffers = unsafe { slice(submits, count) }.iter().flat_map(|submit| unsafe {
+                slice(submit.p_command_buffer_infos, submit.command_buffer_info_count)
+            });
+            // SAFETY: the queue is live, and this thread may use it: vkQueueSubmit demands external synchronisation.
+            unsafe {
+                prepare_or_leave(armed, known.is_active(), queue, buffers.map(|info| info.command_buffer))
             };
-            if let Some(armed) = &known.armed {
-                let buffers = array(submits, count).iter().flat_map(|submit| {
-                    array(submit.p_command_buffer_infos, submit.command_buffer_info_count)
-                });
-                prepare_or_leave(armed, known.is_active(), queue, buffers.map(|info| info.command_buffer));
-            }
-            answer.record(next(queue, count, submits, fence))
-        },
-    )
+        }
+        next()
+    })
 }
 
 /// Candidates whose maps have to be written, the urgent ones too.
@@ -230,17 +207,4 @@ fn recognise_passes(
     if !recorded.events.is_empty() || recorded.timer.is_complete() {
         armed.timing.submitted(&recorded.timer, log.frame(), Work::Application);
     }
-}
-
-/// An array of the application's; empty where there is none.
-///
-/// # Safety
-///
-/// `first` is null, or `count` values are there for `'a`.
-unsafe fn array<'a, T>(first: *const T, count: u32) -> &'a [T] {
-    if first.is_null() || count == 0 {
-        return &[];
-    }
-    // SAFETY: the values are there, as `# Safety` demands.
-    unsafe { slice::from_raw_parts(first, count as usize) }
 }

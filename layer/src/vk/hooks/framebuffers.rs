@@ -1,6 +1,5 @@
 //! Hooks of framebuffers.
 
-use crate::abi::guard;
 use crate::vk::device;
 use crate::vk::objects::Framebuffer;
 use ash::vk;
@@ -13,26 +12,17 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     framebuffer: *mut vk::Framebuffer,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateFramebuffer",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                create_framebuffer(device, info, allocator, framebuffer),
-                vk::Result::ERROR_INITIALIZATION_FAILED
-            )
-        },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkCreateFramebuffer.
-            let found = unsafe { device::with(device, |next| next.create_framebuffer) };
-            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+        device::with,
+        create_framebuffer(device, info, allocator, framebuffer),
+        |known, next, answer| {
             let arguments = (device, info, allocator, framebuffer);
             // SAFETY: the next layer's function, with the application's own arguments.
             let create = || unsafe { next(device, info, allocator, framebuffer) };
             let Some(armed) = &known.armed else { return answer.record(create()) };
             let objects = &armed.objects;
-            // SAFETY: the pointer is valid, by the same valid usage.
+            // SAFETY: the pointer is valid, by valid usage.
             let (created, pass) = unsafe { (Framebuffer::created(objects, &*info), (*info).render_pass) };
             let result = answer.record(match known.rates() {
                 Some(rates) => {
@@ -46,11 +36,11 @@ pub unsafe extern "system" fn create(
                 None => create(),
             });
             if result == vk::Result::SUCCESS {
-                // SAFETY: the pointer is valid, by the same valid usage, and the call has written the framebuffer.
+                // SAFETY: the pointer is valid, by valid usage, and the call has written the framebuffer.
                 objects.framebuffers.insert(unsafe { *framebuffer }, Arc::new(created));
             }
             result
-        },
+        }
     )
 }
 
@@ -60,25 +50,18 @@ pub unsafe extern "system" fn destroy(
     framebuffer: vk::Framebuffer,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    guard(
+    hook!(
         "vkDestroyFramebuffer",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_framebuffer(device, framebuffer, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_framebuffer) else {
-                    return;
-                };
-                if let Some(armed) = &known.armed {
-                    armed.objects.framebuffers.remove(framebuffer);
-                }
-                if let Some(rates) = known.rates() {
-                    rates.forget_framebuffer(framebuffer);
-                }
-                next(device, framebuffer, allocator);
-                answer.made();
+        device::with,
+        destroy_framebuffer(device, framebuffer, allocator),
+        |known, next| {
+            if let Some(armed) = &known.armed {
+                armed.objects.framebuffers.remove(framebuffer);
             }
-        },
+            if let Some(rates) = known.rates() {
+                rates.forget_framebuffer(framebuffer);
+            }
+            next();
+        }
     );
 }

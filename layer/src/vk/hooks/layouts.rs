@@ -1,11 +1,8 @@
 //! Hooks of the layouts of descriptor sets and pipelines.
 
-use crate::abi::guard;
 use crate::vk::device;
 use crate::vk::objects::descriptors;
 use ash::vk;
-
-const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 /// `vkCreateDescriptorSetLayout`.
 pub unsafe extern "system" fn create_set_layout(
@@ -14,29 +11,23 @@ pub unsafe extern "system" fn create_set_layout(
     allocator: *const vk::AllocationCallbacks<'_>,
     layout: *mut vk::DescriptorSetLayout,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateDescriptorSetLayout",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_descriptor_set_layout(device, info, allocator, layout), FAILED)
-        },
-        |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `layout` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_descriptor_set_layout)
-                else {
-                    return FAILED;
-                };
-                let result = answer.record(next(device, info, allocator, layout));
-                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    armed.objects.descriptors.add_layout(*layout, descriptors::is_open(&*info));
-                }
-                if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
-                    masks.add_set_layout(*layout, &*info);
-                }
-                result
+        device::with,
+        create_descriptor_set_layout(device, info, allocator, layout),
+        |known, next| {
+            let result = next();
+            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                // SAFETY: both pointers are valid, by valid usage; the call has written the layout.
+                let (layout, is_open) = unsafe { (*layout, descriptors::is_open(&*info)) };
+                armed.objects.descriptors.add_layout(layout, is_open);
             }
-        },
+            if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
+                // SAFETY: as above.
+                unsafe { masks.add_set_layout(*layout, &*info) };
+            }
+            result
+        }
     )
 }
 
@@ -46,26 +37,16 @@ pub unsafe extern "system" fn destroy_set_layout(
     layout: vk::DescriptorSetLayout,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    guard(
+    hook!(
         "vkDestroyDescriptorSetLayout",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, destroy_descriptor_set_layout(device, layout, allocator), ())
-        },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_descriptor_set_layout)
-                else {
-                    return;
-                };
-                if let Some(masks) = known.masks() {
-                    masks.forget_set_layout(layout);
-                }
-                next(device, layout, allocator);
-                answer.made();
+        device::with,
+        destroy_descriptor_set_layout(device, layout, allocator),
+        |known, next| {
+            if let Some(masks) = known.masks() {
+                masks.forget_set_layout(layout);
             }
-        },
+            next();
+        }
     );
 }
 
@@ -76,25 +57,18 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     layout: *mut vk::PipelineLayout,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreatePipelineLayout",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_pipeline_layout(device, info, allocator, layout), FAILED)
-        },
-        |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `layout` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_pipeline_layout) else {
-                    return FAILED;
-                };
-                let result = answer.record(next(device, info, allocator, layout));
-                if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
-                    masks.add_layout(*layout, &*info);
-                }
-                result
+        device::with,
+        create_pipeline_layout(device, info, allocator, layout),
+        |known, next| {
+            let result = next();
+            if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
+                // SAFETY: both pointers are valid, by valid usage; the call has written the layout.
+                unsafe { masks.add_layout(*layout, &*info) };
             }
-        },
+            result
+        }
     )
 }
 
@@ -104,22 +78,15 @@ pub unsafe extern "system" fn destroy(
     layout: vk::PipelineLayout,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    guard(
+    hook!(
         "vkDestroyPipelineLayout",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_pipeline_layout(device, layout, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_pipeline_layout) else {
-                    return;
-                };
-                if let Some(masks) = known.masks() {
-                    masks.forget_layout(layout);
-                }
-                next(device, layout, allocator);
-                answer.made();
+        device::with,
+        destroy_pipeline_layout(device, layout, allocator),
+        |known, next| {
+            if let Some(masks) = known.masks() {
+                masks.forget_layout(layout);
             }
-        },
+            next();
+        }
     );
 }

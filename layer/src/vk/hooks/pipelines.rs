@@ -1,10 +1,7 @@
 //! Hooks of graphics pipelines.
 
-use crate::abi::guard;
 use crate::vk::device;
 use ash::vk;
-
-const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 /// `vkCreateGraphicsPipelines`.
 pub unsafe extern "system" fn create_pipelines(
@@ -15,20 +12,11 @@ pub unsafe extern "system" fn create_pipelines(
     allocator: *const vk::AllocationCallbacks<'_>,
     made: *mut vk::Pipeline,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateGraphicsPipelines",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                create_graphics_pipelines(device, cache, count, infos, allocator, made),
-                FAILED
-            )
-        },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkCreateGraphicsPipelines.
-            let found = unsafe { device::with(device, |next| next.create_graphics_pipelines) };
-            let Some((known, next)) = found else { return FAILED };
+        device::with,
+        create_graphics_pipelines(device, cache, count, infos, allocator, made),
+        |known, next, answer| {
             let result = answer.record(match known.rates() {
                 Some(rates) => {
                     let functions = (next, known.hooked.destroy_pipeline);
@@ -39,11 +27,11 @@ pub unsafe extern "system" fn create_pipelines(
                 None => unsafe { next(device, cache, count, infos, allocator, made) },
             });
             if let (Some(masks), true) = (known.masks(), result.as_raw() >= 0) {
-                // SAFETY: the same valid usage demands `count` structures; the call has written as many pipelines, null for those that failed.
+                // SAFETY: valid usage demands `count` structures; the call has written as many pipelines, null for those that failed.
                 unsafe { masks.add_pipelines(infos, made, count) };
             }
             result
-        },
+        }
     )
 }
 
@@ -53,23 +41,13 @@ pub unsafe extern "system" fn destroy_pipeline(
     pipeline: vk::Pipeline,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    guard(
-        "vkDestroyPipeline",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_pipeline(device, pipeline, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_pipeline) else { return };
-                if let Some(rates) = known.rates() {
-                    rates.forget_pipeline(pipeline);
-                }
-                if let Some(masks) = known.masks() {
-                    masks.forget_pipeline(pipeline);
-                }
-                next(device, pipeline, allocator);
-                answer.made();
-            }
-        },
-    );
+    hook!("vkDestroyPipeline", device::with, destroy_pipeline(device, pipeline, allocator), |known, next| {
+        if let Some(rates) = known.rates() {
+            rates.forget_pipeline(pipeline);
+        }
+        if let Some(masks) = known.masks() {
+            masks.forget_pipeline(pipeline);
+        }
+        next();
+    });
 }

@@ -1,6 +1,5 @@
 //! Hooks of render passes.
 
-use crate::abi::guard;
 use crate::vk::device;
 use crate::vk::objects::RenderPass;
 use ash::vk;
@@ -13,20 +12,11 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     pass: *mut vk::RenderPass,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateRenderPass",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                create_render_pass(device, info, allocator, pass),
-                vk::Result::ERROR_INITIALIZATION_FAILED
-            )
-        },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkCreateRenderPass.
-            let found = unsafe { device::with(device, |next| next.create_render_pass) };
-            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+        device::with,
+        create_render_pass(device, info, allocator, pass),
+        |known, next, answer| {
             let result = answer.record(match known.rates() {
                 Some(rates) => {
                     let next2 = known.hooked.create_render_pass2;
@@ -37,7 +27,7 @@ pub unsafe extern "system" fn create(
                 None => unsafe { next(device, info, allocator, pass) },
             });
             if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                // SAFETY: both pointers are valid, by the same valid usage, and the call has written the render pass.
+                // SAFETY: both pointers are valid, by valid usage, and the call has written the render pass.
                 let (info, pass) = unsafe { (&*info, *pass) };
                 // SAFETY: the structure is that of vkCreateRenderPass.
                 let described = Arc::new(unsafe { RenderPass::of_version_1(info) });
@@ -51,7 +41,7 @@ pub unsafe extern "system" fn create(
                 armed.objects.render_passes.insert(pass, described);
             }
             result
-        },
+        }
     )
 }
 
@@ -62,20 +52,11 @@ pub unsafe extern "system" fn create2(
     allocator: *const vk::AllocationCallbacks<'_>,
     pass: *mut vk::RenderPass,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateRenderPass2",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                create_render_pass2(device, info, allocator, pass),
-                vk::Result::ERROR_INITIALIZATION_FAILED
-            )
-        },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkCreateRenderPass2.
-            let found = unsafe { device::with(device, |next| next.create_render_pass2) };
-            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+        device::with,
+        create_render_pass2(device, info, allocator, pass),
+        |known, next, answer| {
             let result = answer.record(match known.rates() {
                 // SAFETY: the application's own arguments, and the next layer's function for them.
                 Some(rates) => unsafe { rates.create_render_pass2((device, info, allocator, pass), next) },
@@ -83,7 +64,7 @@ pub unsafe extern "system" fn create2(
                 None => unsafe { next(device, info, allocator, pass) },
             });
             if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                // SAFETY: both pointers are valid, by the same valid usage, and the call has written the render pass.
+                // SAFETY: both pointers are valid, by valid usage, and the call has written the render pass.
                 let (info, pass) = unsafe { (&*info, *pass) };
                 // SAFETY: the structure is that of vkCreateRenderPass2.
                 let described = Arc::new(unsafe { RenderPass::of_version_2(info) });
@@ -97,7 +78,7 @@ pub unsafe extern "system" fn create2(
                 armed.objects.render_passes.insert(pass, described);
             }
             result
-        },
+        }
     )
 }
 
@@ -107,14 +88,11 @@ pub unsafe extern "system" fn destroy(
     pass: vk::RenderPass,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    guard(
+    hook!(
         "vkDestroyRenderPass",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_render_pass(device, pass, allocator), ()) },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkDestroyRenderPass.
-            let found = unsafe { device::with(device, |next| next.destroy_render_pass) };
-            let Some((known, next)) = found else { return };
+        device::with,
+        destroy_render_pass(device, pass, allocator),
+        |known, next, answer| {
             if let Some(armed) = &known.armed {
                 armed.objects.render_passes.remove(pass);
                 let ours = armed.masks.as_ref().and_then(|masks| masks.forget_render_pass(pass));
@@ -129,6 +107,6 @@ pub unsafe extern "system" fn destroy(
             // SAFETY: the next layer's function, with the application's own arguments.
             unsafe { next(device, pass, allocator) };
             answer.made();
-        },
+        }
     );
 }

@@ -1,13 +1,10 @@
 //! Hooks of shader modules and of their identifiers: facts of a module's code are kept by its identifier, so that pipelines
 //! made by identifier alone in a later launch get the same treatment.
 
-use crate::abi::guard;
 use crate::vk::device::{self, Device};
 use crate::vk::shaders::{self, FragmentShaders, KnownShaders, ShaderModules};
 use ash::vk;
 use std::sync::Arc;
-
-const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 /// `vkCreateShaderModule`.
 pub unsafe extern "system" fn create_shader_module(
@@ -16,30 +13,24 @@ pub unsafe extern "system" fn create_shader_module(
     allocator: *const vk::AllocationCallbacks<'_>,
     module: *mut vk::ShaderModule,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateShaderModule",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_shader_module(device, info, allocator, module), FAILED)
-        },
-        |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `module` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_shader_module) else {
-                    return FAILED;
-                };
-                let result = answer.record(next(device, info, allocator, module));
-                if result == vk::Result::SUCCESS {
-                    if let Some(rates) = known.rates() {
-                        rates.modules.add(*module, &*info);
-                    }
-                    if let Some(masks) = known.masks() {
-                        masks.add_shader_module(*module, &*info);
-                    }
+        device::with,
+        create_shader_module(device, info, allocator, module),
+        |known, next| {
+            let result = next();
+            if result == vk::Result::SUCCESS {
+                if let Some(rates) = known.rates() {
+                    // SAFETY: both pointers are valid, by valid usage, and the call has written the module.
+                    unsafe { rates.modules.add(*module, &*info) };
                 }
-                result
+                if let Some(masks) = known.masks() {
+                    // SAFETY: as above.
+                    unsafe { masks.add_shader_module(*module, &*info) };
+                }
             }
-        },
+            result
+        }
     )
 }
 
@@ -49,26 +40,19 @@ pub unsafe extern "system" fn destroy_shader_module(
     module: vk::ShaderModule,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    guard(
+    hook!(
         "vkDestroyShaderModule",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_shader_module(device, module, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_shader_module) else {
-                    return;
-                };
-                if let Some(rates) = known.rates() {
-                    rates.modules.forget(module);
-                }
-                if let Some(masks) = known.masks() {
-                    masks.forget_shader_module(module);
-                }
-                next(device, module, allocator);
-                answer.made();
+        device::with,
+        destroy_shader_module(device, module, allocator),
+        |known, next| {
+            if let Some(rates) = known.rates() {
+                rates.modules.forget(module);
             }
-        },
+            if let Some(masks) = known.masks() {
+                masks.forget_shader_module(module);
+            }
+            next();
+        }
     );
 }
 
@@ -90,24 +74,16 @@ pub unsafe extern "system" fn of_module(
     module: vk::ShaderModule,
     identifier: *mut vk::ShaderModuleIdentifierEXT<'_>,
 ) {
-    guard(
+    hook!(
         "vkGetShaderModuleIdentifierEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, get_shader_module_identifier(device, module, identifier), ())
-        },
-        |answer| {
-            // SAFETY: the application's own arguments; the next layer has written the identifier.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.get_shader_module_identifier)
-                else {
-                    return;
-                };
-                next(device, module, identifier);
-                answer.made();
-                note(&*identifier, modules(&known).and_then(|modules| modules.get(module)));
-            }
-        },
+        device::with,
+        get_shader_module_identifier(device, module, identifier),
+        |known, next| {
+            next();
+            // SAFETY: the pointer is valid, by valid usage, and the call has written the identifier.
+            let identifier = unsafe { &*identifier };
+            note(identifier, modules(&known).and_then(|modules| modules.get(module)));
+        }
     );
 }
 
@@ -117,30 +93,17 @@ pub unsafe extern "system" fn of_create_info(
     info: *const vk::ShaderModuleCreateInfo<'_>,
     identifier: *mut vk::ShaderModuleIdentifierEXT<'_>,
 ) {
-    guard(
+    hook!(
         "vkGetShaderModuleCreateInfoIdentifierEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                get_shader_module_create_info_identifier(device, info, identifier),
-                ()
-            )
-        },
-        |answer| {
-            // SAFETY: the application's own arguments, which are valid; the next layer has written the identifier.
-            unsafe {
-                let Some((known, next)) =
-                    device::with(device, |next| next.get_shader_module_create_info_identifier)
-                else {
-                    return;
-                };
-                next(device, info, identifier);
-                answer.made();
-                if modules(&known).is_some() {
-                    note(&*identifier, shaders::read(&*info).map(Arc::new));
-                }
+        device::with,
+        get_shader_module_create_info_identifier(device, info, identifier),
+        |known, next| {
+            next();
+            if modules(&known).is_some() {
+                // SAFETY: both pointers are valid, by valid usage, and the call has written the identifier.
+                let (identifier, read) = unsafe { (&*identifier, shaders::read(&*info)) };
+                note(identifier, read.map(Arc::new));
             }
-        },
+        }
     );
 }

@@ -1,11 +1,8 @@
 //! Hooks of shaders without pipelines.
 
 use crate::abi::copies::slice;
-use crate::abi::guard;
 use crate::vk::device;
 use ash::vk;
-
-const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 /// `vkCreateShadersEXT`.
 pub unsafe extern "system" fn create(
@@ -15,16 +12,11 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     made: *mut vk::ShaderEXT,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateShadersEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_shaders(device, count, infos, allocator, made), FAILED)
-        },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkCreateShadersEXT.
-            let found = unsafe { device::with(device, |next| next.create_shaders) };
-            let Some((known, next)) = found else { return FAILED };
+        device::with,
+        create_shaders(device, count, infos, allocator, made),
+        |known, next, answer| {
             let result = answer.record(match known.rates() {
                 Some(rates) => {
                     let functions = (next, known.hooked.destroy_shader);
@@ -35,11 +27,11 @@ pub unsafe extern "system" fn create(
                 None => unsafe { next(device, count, infos, allocator, made) },
             });
             if let Some(masks) = known.masks() {
-                // SAFETY: the same valid usage demands `count` structures; the call has written as many shaders, null for those that failed.
+                // SAFETY: valid usage demands `count` structures; the call has written as many shaders, null for those that failed.
                 unsafe { masks.add_shader_objects(slice(infos, count), slice(made.cast_const(), count)) };
             }
             result
-        },
+        }
     )
 }
 
@@ -49,23 +41,13 @@ pub unsafe extern "system" fn destroy(
     shader: vk::ShaderEXT,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    guard(
-        "vkDestroyShaderEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_shader(device, shader, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_shader) else { return };
-                if let Some(rates) = known.rates() {
-                    rates.forget_shader_object(shader);
-                }
-                if let Some(masks) = known.masks() {
-                    masks.forget_shader_object(shader);
-                }
-                next(device, shader, allocator);
-                answer.made();
-            }
-        },
-    );
+    hook!("vkDestroyShaderEXT", device::with, destroy_shader(device, shader, allocator), |known, next| {
+        if let Some(rates) = known.rates() {
+            rates.forget_shader_object(shader);
+        }
+        if let Some(masks) = known.masks() {
+            masks.forget_shader_object(shader);
+        }
+        next();
+    });
 }

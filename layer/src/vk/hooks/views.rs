@@ -1,6 +1,5 @@
 //! Hooks of image views.
 
-use crate::abi::guard;
 use crate::vk::armed::Armed;
 use crate::vk::chain::extension;
 use crate::vk::device;
@@ -31,24 +30,15 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     view: *mut vk::ImageView,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateImageView",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                create_image_view(device, info, allocator, view),
-                vk::Result::ERROR_INITIALIZATION_FAILED
-            )
-        },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkCreateImageView.
-            let found = unsafe { device::with(device, |next| next.create_image_view) };
-            let Some((known, next)) = found else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+        device::with,
+        create_image_view(device, info, allocator, view),
+        |known, next, answer| {
             // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
             let create = |info: *const _| unsafe { next(device, info, allocator, view) };
             let Some(armed) = &known.armed else { return answer.record(create(info)) };
-            // SAFETY: the pointer is valid, by the same valid usage, for the time of the call.
+            // SAFETY: the pointer is valid, by valid usage, for the time of the call.
             let info = unsafe { &*info };
             // SAFETY: as above.
             let asked = unsafe { asked_usage(armed, info) };
@@ -61,11 +51,11 @@ pub unsafe extern "system" fn create(
                 None => create(info),
             });
             if result == vk::Result::SUCCESS {
-                // SAFETY: the pointer is valid, by the same valid usage, and the call has written the view.
+                // SAFETY: the pointer is valid, by valid usage, and the call has written the view.
                 note_created(&armed.objects, unsafe { *view }, View::created(&armed.objects, info));
             }
             result
-        },
+        }
     )
 }
 
@@ -88,22 +78,10 @@ pub unsafe extern "system" fn destroy(
     view: vk::ImageView,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    guard(
-        "vkDestroyImageView",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_image_view(device, view, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_image_view) else {
-                    return;
-                };
-                if let Some(armed) = &known.armed {
-                    armed.objects.views.remove(view);
-                }
-                next(device, view, allocator);
-                answer.made();
-            }
-        },
-    );
+    hook!("vkDestroyImageView", device::with, destroy_image_view(device, view, allocator), |known, next| {
+        if let Some(armed) = &known.armed {
+            armed.objects.views.remove(view);
+        }
+        next();
+    });
 }

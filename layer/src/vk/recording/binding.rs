@@ -2,7 +2,6 @@
 
 use super::{Buffer, drawing, stencil, with_buffer};
 use crate::abi::copies::slice;
-use crate::abi::guard;
 use crate::backend::attachment::commands::SetRate;
 use crate::backend::mask::Masks;
 use crate::vk::device;
@@ -14,16 +13,11 @@ pub unsafe extern "system" fn set_rate(
     size: *const vk::Extent2D,
     combiners: *const [Combiner; 2],
 ) {
-    guard(
+    hook!(
         "vkCmdSetFragmentShadingRateKHR",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: buffer, cmd_set_fragment_shading_rate(buffer, size, combiners), ())
-        },
-        |answer| {
-            // SAFETY: `buffer` is live, by the valid usage of vkCmdSetFragmentShadingRateKHR.
-            let found = unsafe { device::with(buffer, |next| next.cmd_set_fragment_shading_rate) };
-            let Some((known, next)) = found else { return };
+        device::with,
+        cmd_set_fragment_shading_rate(buffer, size, combiners),
+        |known, next, answer| {
             // SAFETY: the next layer's function, with the application's own arguments or valid ones in their place.
             let set = |size: *const _, combiners: *const _| unsafe { next(buffer, size, combiners) };
             match known.rates() {
@@ -36,7 +30,7 @@ pub unsafe extern "system" fn set_rate(
                 None => set(size, combiners),
             }
             answer.made();
-        },
+        }
     );
 }
 
@@ -46,14 +40,11 @@ pub unsafe extern "system" fn bind_pipeline(
     point: vk::PipelineBindPoint,
     pipeline: vk::Pipeline,
 ) {
-    guard(
+    hook!(
         "vkCmdBindPipeline",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: buffer, cmd_bind_pipeline(buffer, point, pipeline), ()) },
-        |answer| {
-            // SAFETY: `buffer` is live, by the valid usage of vkCmdBindPipeline.
-            let found = unsafe { with_buffer(buffer, |next| next.cmd_bind_pipeline) };
-            let Some((known, next)) = found else { return };
+        with_buffer,
+        cmd_bind_pipeline(buffer, point, pipeline),
+        |known, next, answer| {
             let bind = |pipeline| {
                 // SAFETY: the next layer's function, with the application's pipeline or a live substitute for it.
                 unsafe { next(buffer, point, pipeline) };
@@ -78,7 +69,7 @@ pub unsafe extern "system" fn bind_pipeline(
                 (Some(_), vk::PipelineBindPoint::COMPUTE) => known.recorded().compute.bind_pipeline(pipeline),
                 _ => {}
             }
-        },
+        }
     );
 }
 
@@ -105,23 +96,18 @@ pub unsafe extern "system" fn bind_shaders(
     stages: *const vk::ShaderStageFlags,
     shaders: *const vk::ShaderEXT,
 ) {
-    guard(
+    hook!(
         "vkCmdBindShadersEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: buffer, cmd_bind_shaders(buffer, count, stages, shaders), ()) },
-        |answer| {
-            // SAFETY: `buffer` is live, by the valid usage of vkCmdBindShadersEXT.
-            let found = unsafe { device::with(buffer, |next| next.cmd_bind_shaders) };
-            let Some((known, next)) = found else { return };
+        device::with,
+        cmd_bind_shaders(buffer, count, stages, shaders),
+        |known, next| {
             let masked = known.masks().zip(super::buffer(buffer));
             if let Some((_, recording)) = &masked {
-                // SAFETY: the command buffer is recording, by the same valid usage.
+                // SAFETY: the command buffer is recording, by valid usage.
                 unsafe { drawing::leave(recording, buffer) };
                 stencil::changes(recording, buffer);
             }
-            // SAFETY: the next layer's function, with the application's own arguments.
-            unsafe { next(buffer, count, stages, shaders) };
-            answer.made();
+            next();
             // SAFETY: valid usage demands `count` stages and shaders, or null for the latter.
             let rate = unsafe {
                 known.rates().and_then(|rates| rates.shaders_bound(buffer, count, stages, shaders))
@@ -135,7 +121,7 @@ pub unsafe extern "system" fn bind_shaders(
                 let (stages, shaders) = unsafe { (slice(stages, count), slice(shaders, count)) };
                 note_shaders(&recording, masks, stages, shaders);
             }
-        },
+        }
     );
 }
 

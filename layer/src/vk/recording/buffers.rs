@@ -2,13 +2,10 @@
 
 use super::{BUFFERS, Buffer, buffer, draws, timed, with_buffer};
 use crate::abi::copies::slice;
-use crate::abi::guard;
 use crate::vk::armed::Armed;
 use crate::vk::device;
 use ash::vk;
 use std::sync::Arc;
-
-const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 /// `vkCreateCommandPool`.
 pub unsafe extern "system" fn create_pool(
@@ -17,20 +14,14 @@ pub unsafe extern "system" fn create_pool(
     allocator: *const vk::AllocationCallbacks<'_>,
     pool: *mut vk::CommandPool,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkCreateCommandPool",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_command_pool(device, info, allocator, pool), FAILED)
-        },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkCreateCommandPool.
-            let found = unsafe { device::with(device, |next| next.create_command_pool) };
-            let Some((known, next)) = found else { return FAILED };
-            // SAFETY: the next layer's function, with the application's own arguments.
-            let result = answer.record(unsafe { next(device, info, allocator, pool) });
+        device::with,
+        create_command_pool(device, info, allocator, pool),
+        |known, next| {
+            let result = next();
             if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                // SAFETY: both pointers are valid, by the same valid usage; the call has written the pool.
+                // SAFETY: both pointers are valid, by valid usage; the call has written the pool.
                 let (pool, family) = unsafe { (*pool, (*info).queue_family_index) };
                 armed.objects.add_pool(pool);
                 if armed.follows_passes()
@@ -41,7 +32,7 @@ pub unsafe extern "system" fn create_pool(
                 }
             }
             result
-        },
+        }
     )
 }
 
@@ -51,22 +42,19 @@ pub unsafe extern "system" fn destroy_pool(
     pool: vk::CommandPool,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
-    // SAFETY: the application's own arguments.
-    guard(
+    hook!(
         "vkDestroyCommandPool",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_command_pool(device, pool, allocator), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = device::with(device, |next| next.destroy_command_pool) else { return };
+        device::with,
+        destroy_command_pool(device, pool, allocator),
+        |known, next| {
             if let Some(armed) = &known.armed
                 && let Some(known_pool) = armed.objects.remove_pool(pool)
             {
                 armed.timing.remove_pool(pool);
                 known_pool.buffers().iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
             }
-            next(device, pool, allocator);
-            answer.made();
-        },
+            next();
+        }
     );
 }
 
@@ -76,23 +64,14 @@ pub unsafe extern "system" fn reset_pool(
     pool: vk::CommandPool,
     flags: vk::CommandPoolResetFlags,
 ) -> vk::Result {
-    // SAFETY: the application's own arguments.
-    guard(
-        "vkResetCommandPool",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, reset_command_pool(device, pool, flags), FAILED) },
-        |answer| unsafe {
-            let Some((known, next)) = device::with(device, |next| next.reset_command_pool) else {
-                return FAILED;
-            };
-            let result = answer.record(next(device, pool, flags));
-            if let Some(pool) = known.armed.as_ref().and_then(|armed| armed.objects.pool(pool)) {
-                let buffers = pool.buffers();
-                buffers.iter().filter_map(|&reset| buffer(reset)).for_each(|reset| reset.recorded().clear());
-            }
-            result
-        },
-    )
+    hook!("vkResetCommandPool", device::with, reset_command_pool(device, pool, flags), |known, next| {
+        let result = next();
+        if let Some(pool) = known.armed.as_ref().and_then(|armed| armed.objects.pool(pool)) {
+            let buffers = pool.buffers();
+            buffers.iter().filter_map(|&reset| buffer(reset)).for_each(|reset| reset.recorded().clear());
+        }
+        result
+    })
 }
 
 /// `vkAllocateCommandBuffers`.
@@ -101,24 +80,20 @@ pub unsafe extern "system" fn allocate(
     info: *const vk::CommandBufferAllocateInfo<'_>,
     buffers: *mut vk::CommandBuffer,
 ) -> vk::Result {
-    guard(
+    hook!(
         "vkAllocateCommandBuffers",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, allocate_command_buffers(device, info, buffers), FAILED) },
-        |answer| {
-            // SAFETY: `device` is live, by the valid usage of vkAllocateCommandBuffers.
-            let found = unsafe { device::with(device, |next| next.allocate_command_buffers) };
-            let Some((known, next)) = found else { return FAILED };
-            // SAFETY: the next layer's function, with the application's own arguments.
-            let result = answer.record(unsafe { next(device, info, buffers) });
+        device::with,
+        allocate_command_buffers(device, info, buffers),
+        |known, next| {
+            let result = next();
             if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                // SAFETY: the pointer is valid, by the same valid usage, and the call has written so many command buffers.
+                // SAFETY: the pointer is valid, by valid usage, and the call has written so many command buffers.
                 let (info, made) =
                     unsafe { (&*info, slice(buffers.cast_const(), (*info).command_buffer_count)) };
                 note_allocated(armed, info, made);
             }
             result
-        },
+        }
     )
 }
 
@@ -144,25 +119,22 @@ pub unsafe extern "system" fn free(
     count: u32,
     buffers: *const vk::CommandBuffer,
 ) {
-    guard(
+    hook!(
         "vkFreeCommandBuffers",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, free_command_buffers(device, pool, count, buffers), ()) },
-        // SAFETY: `device` is live, and there are `count` command buffers of the pool, or null for them, by the valid usage of
-        // vkFreeCommandBuffers.
-        |answer| unsafe {
-            let Some((known, next)) = device::with(device, |next| next.free_command_buffers) else { return };
+        device::with,
+        free_command_buffers(device, pool, count, buffers),
+        |known, next| {
             let known_pool = known.armed.as_ref().and_then(|armed| armed.objects.pool(pool));
             if let Some(known_pool) = known_pool
                 && count > 0
             {
-                let freed = slice(buffers, count);
+                // SAFETY: valid usage demands `count` command buffers, or null.
+                let freed = unsafe { slice(buffers, count) };
                 known_pool.buffers().retain(|live| !freed.contains(live));
                 freed.iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
             }
-            next(device, pool, count, buffers);
-            answer.made();
-        },
+            next();
+        }
     );
 }
 
@@ -171,25 +143,17 @@ pub unsafe extern "system" fn begin(
     handle: vk::CommandBuffer,
     info: *const vk::CommandBufferBeginInfo<'_>,
 ) -> vk::Result {
-    // SAFETY: the application's own arguments.
-    guard(
-        "vkBeginCommandBuffer",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, begin_command_buffer(handle, info), FAILED) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.begin_command_buffer) else {
-                return FAILED;
-            };
-            let result = answer.record(next(handle, info));
-            if let Some(known) = known {
-                draws::recording_begins(handle);
-                let mut recorded = known.recorded();
-                recorded.clear();
-                recorded.timer.recorded_with((*info).flags);
-            }
-            result
-        },
-    )
+    hook!("vkBeginCommandBuffer", with_buffer, begin_command_buffer(handle, info), |known, next| {
+        let result = next();
+        if let Some(known) = known {
+            draws::recording_begins(handle);
+            let mut recorded = known.recorded();
+            recorded.clear();
+            // SAFETY: the pointer is valid, by valid usage.
+            recorded.timer.recorded_with(unsafe { (*info).flags });
+        }
+        result
+    })
 }
 
 /// `vkResetCommandBuffer`.
@@ -197,22 +161,13 @@ pub unsafe extern "system" fn reset(
     handle: vk::CommandBuffer,
     flags: vk::CommandBufferResetFlags,
 ) -> vk::Result {
-    // SAFETY: the application's own arguments.
-    guard(
-        "vkResetCommandBuffer",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, reset_command_buffer(handle, flags), FAILED) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.reset_command_buffer) else {
-                return FAILED;
-            };
-            let result = answer.record(next(handle, flags));
-            if let Some(known) = known {
-                known.recorded().clear();
-            }
-            result
-        },
-    )
+    hook!("vkResetCommandBuffer", with_buffer, reset_command_buffer(handle, flags), |known, next| {
+        let result = next();
+        if let Some(known) = known {
+            known.recorded().clear();
+        }
+        result
+    })
 }
 
 /// `vkCmdExecuteCommands`.
@@ -221,28 +176,23 @@ pub unsafe extern "system" fn execute(
     count: u32,
     secondaries: *const vk::CommandBuffer,
 ) {
-    guard(
+    hook!(
         "vkCmdExecuteCommands",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_execute_commands(handle, count, secondaries), ()) },
-        |answer| {
-            // SAFETY: `handle` is live, by the valid usage of vkCmdExecuteCommands.
-            let found = unsafe { with_buffer(handle, |next| next.cmd_execute_commands) };
-            let Some((known, next)) = found else { return };
+        with_buffer,
+        cmd_execute_commands(handle, count, secondaries),
+        |known, next| {
             if let Some(known) = known.as_ref().filter(|known| !known.recorded().is_within_pass()) {
-                // SAFETY: the command buffer is recording, by the same valid usage, and outside of render passes.
+                // SAFETY: the command buffer is recording, by valid usage, and outside of render passes.
                 unsafe {
                     timed::work_begins(known, handle);
                     known.fill_all(handle);
                 }
             }
-            // SAFETY: the next layer's function, with the application's own arguments.
-            unsafe { next(handle, count, secondaries) };
-            answer.made();
+            next();
             let Some(known) = known else { return };
             draws::recording_begins(handle);
             let mut recorded = known.recorded();
-            // SAFETY: the same valid usage demands `count` command buffers.
+            // SAFETY: valid usage demands `count` command buffers.
             for secondary in unsafe { slice(secondaries, count) } {
                 // Whoever records a command buffer that is executed breaks the rules, and must not lock up.
                 if let Some(secondary) = buffer(*secondary)
@@ -251,6 +201,6 @@ pub unsafe extern "system" fn execute(
                     recorded.execute(&secondary);
                 }
             }
-        },
+        }
     );
 }

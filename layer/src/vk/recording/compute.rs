@@ -6,7 +6,6 @@ use super::descriptor_buffers::points;
 use super::sets::BoundSets;
 use super::{Buffer, drawing, draws, with_buffer};
 use crate::abi::copies::slice;
-use crate::abi::guard;
 use crate::backend::mask::follows_graphics;
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::ArmedTable;
@@ -153,30 +152,19 @@ unsafe extern "system" fn bind_sets_tracked(
     offset_count: u32,
     offsets: *const u32,
 ) {
-    guard(
+    hook!(
         "vkCmdBindDescriptorSets",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                with_buffer: handle,
-                cmd_bind_descriptor_sets(handle, point, layout, first, count, sets, offset_count, offsets),
-                ()
-            )
-        },
-        |answer| {
-            // SAFETY: the application's own arguments: `count` sets and `offset_count` offsets.
-            unsafe {
-                let Some((known, next)) = with_buffer(handle, |next| next.cmd_bind_descriptor_sets) else {
-                    return;
-                };
-                next(handle, point, layout, first, count, sets, offset_count, offsets);
-                answer.made();
-                if let Some(known) = known {
-                    let (offsets, sets) = (slice(offsets, offset_count), slice(sets, count));
-                    note_sets(&known, handle, point, (layout, first, sets, offsets));
-                }
+        with_buffer,
+        cmd_bind_descriptor_sets(handle, point, layout, first, count, sets, offset_count, offsets),
+        |known, next| {
+            next();
+            if let Some(known) = known {
+                // SAFETY: valid usage demands so many offsets and sets.
+                let (offsets, sets) = unsafe { (slice(offsets, offset_count), slice(sets, count)) };
+                // SAFETY: the command buffer is recording, by valid usage.
+                unsafe { note_sets(&known, handle, point, (layout, first, sets, offsets)) };
             }
-        },
+        }
     );
 }
 
@@ -210,41 +198,31 @@ pub unsafe extern "system" fn bind_sets2(
     handle: vk::CommandBuffer,
     info: *const vk::BindDescriptorSetsInfoKHR<'_>,
 ) {
-    guard(
-        "vkCmdBindDescriptorSets2",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_bind_descriptor_sets2(handle, info), ()) },
-        |answer| {
-            // SAFETY: the pointer is valid, by the valid usage of vkCmdBindDescriptorSets2, for the time of the call.
-            let info = unsafe { &*info };
-            // SAFETY: the same valid usage demands so many sets and offsets.
-            let (sets, offsets) = unsafe {
-                let sets = slice(info.p_descriptor_sets, info.descriptor_set_count);
-                (sets, slice(info.p_dynamic_offsets, info.dynamic_offset_count))
-            };
-            let points = points(info.stage_flags);
-            if points.contains(&vk::PipelineBindPoint::GRAPHICS) {
-                // SAFETY: `handle` is live, by the same valid usage.
-                unsafe { draws::bind(handle, info.first_set, sets) };
-            }
-            // SAFETY: `handle` is live, by the same valid usage.
-            let found = unsafe { with_buffer(handle, |next| next.cmd_bind_descriptor_sets2) };
-            let Some((known, next)) = found else { return };
-            // SAFETY: the next layer's function, with the application's own arguments.
-            unsafe { next(handle, info) };
-            answer.made();
-            let Some(known) = known else { return };
-            // A chain may say another layout.
-            if !info.p_next.is_null() {
-                known.recorded().compute.bind_more();
-                known.recorded().drawing.bind_more();
-            }
-            for point in points {
-                // SAFETY: the command buffer is recording, by the same valid usage.
-                unsafe { note_sets(&known, handle, point, (info.layout, info.first_set, sets, offsets)) };
-            }
-        },
-    );
+    hook!("vkCmdBindDescriptorSets2", with_buffer, cmd_bind_descriptor_sets2(handle, info), |known, next| {
+        // SAFETY: the pointer is valid, by the valid usage of vkCmdBindDescriptorSets2, for the time of the call.
+        let info = unsafe { &*info };
+        // SAFETY: valid usage demands so many sets and offsets.
+        let (sets, offsets) = unsafe {
+            let sets = slice(info.p_descriptor_sets, info.descriptor_set_count);
+            (sets, slice(info.p_dynamic_offsets, info.dynamic_offset_count))
+        };
+        let points = points(info.stage_flags);
+        if points.contains(&vk::PipelineBindPoint::GRAPHICS) {
+            // SAFETY: `handle` is live, by valid usage.
+            unsafe { draws::bind(handle, info.first_set, sets) };
+        }
+        next();
+        let Some(known) = known else { return };
+        // A chain may say another layout.
+        if !info.p_next.is_null() {
+            known.recorded().compute.bind_more();
+            known.recorded().drawing.bind_more();
+        }
+        for point in points {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { note_sets(&known, handle, point, (info.layout, info.first_set, sets, offsets)) };
+        }
+    });
 }
 
 /// Whether a bind point is that of compute, and of drawing.
@@ -263,20 +241,13 @@ macro_rules! binds_more {
     ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), for $points:expr;)*) => {$(
         #[doc = concat!("`", $call, "`.")]
         pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
-            guard(
-                $call,
-                // SAFETY: the application's own arguments.
-                || unsafe { pass_on!(with_buffer: handle, $field(handle, $($argument),*), ()) },
-                // SAFETY: the application's own arguments: a live command buffer that is recording, and valid pointers.
-                |answer| unsafe {
-                    let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
-                    next(handle, $($argument),*);
-                    answer.made();
-                    if let Some(known) = known {
-                        note_more(&known, handle, $points);
-                    }
-                },
-            );
+            hook!($call, with_buffer, $field(handle $(, $argument)*), |known, next| {
+                next();
+                if let Some(known) = known {
+                    // SAFETY: the command buffer is recording, and pointers are valid, by valid usage.
+                    unsafe { note_more(&known, handle, $points) };
+                }
+            });
         }
     )*};
 }

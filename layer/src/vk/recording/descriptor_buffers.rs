@@ -6,7 +6,6 @@
 
 use super::{drawing, draws, with_buffer};
 use crate::abi::copies::slice;
-use crate::abi::guard;
 use crate::backend::mask::follow_graphics;
 use crate::vk::functions::ArmedTable;
 use ash::vk;
@@ -167,21 +166,18 @@ pub unsafe extern "system" fn bind(
     count: u32,
     infos: *const vk::DescriptorBufferBindingInfoEXT<'_>,
 ) {
-    guard(
+    hook!(
         "vkCmdBindDescriptorBuffersEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_bind_descriptor_buffers(handle, count, infos), ()) },
-        // SAFETY: the application's own arguments.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_bind_descriptor_buffers) else {
-                return;
-            };
-            next(handle, count, infos);
-            answer.made();
+        with_buffer,
+        cmd_bind_descriptor_buffers(handle, count, infos),
+        |known, next| {
+            next();
             if let Some(known) = known {
-                note(&known, handle, &[vk::PipelineBindPoint::GRAPHICS], BufferOffsets::bind_buffers);
+                let points = [vk::PipelineBindPoint::GRAPHICS];
+                // SAFETY: the command buffer is recording, by valid usage.
+                unsafe { note(&known, handle, &points, BufferOffsets::bind_buffers) };
             }
-        },
+        }
     );
 }
 
@@ -195,30 +191,21 @@ pub unsafe extern "system" fn set_offsets(
     indices: *const u32,
     offsets: *const vk::DeviceSize,
 ) {
-    guard(
+    hook!(
         "vkCmdSetDescriptorBufferOffsetsEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                with_buffer: handle,
-                cmd_set_descriptor_buffer_offsets(handle, point, layout, first, count, indices, offsets),
-                ()
-            )
-        },
-        // SAFETY: the application's own arguments: `count` numbers and offsets.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_descriptor_buffer_offsets)
-            else {
-                return;
-            };
-            next(handle, point, layout, first, count, indices, offsets);
-            answer.made();
+        with_buffer,
+        cmd_set_descriptor_buffer_offsets(handle, point, layout, first, count, indices, offsets),
+        |known, next| {
+            next();
             if let Some(known) = known {
-                let what = What::Offsets(slice(indices, count).into(), slice(offsets, count).into());
+                // SAFETY: valid usage demands so many indices and offsets.
+                let (indices, offsets) = unsafe { (slice(indices, count), slice(offsets, count)) };
+                let what = What::Offsets(indices.into(), offsets.into());
                 let call = Call { point, layout, first, what };
-                note(&known, handle, &[point], |kept| kept.set(call.clone()));
+                // SAFETY: the command buffer is recording, by valid usage.
+                unsafe { note(&known, handle, &[point], |kept| kept.set(call.clone())) };
             }
-        },
+        }
     );
 }
 
@@ -227,19 +214,14 @@ pub unsafe extern "system" fn set_offsets2(
     handle: vk::CommandBuffer,
     info: *const vk::SetDescriptorBufferOffsetsInfoEXT<'_>,
 ) {
-    guard(
+    hook!(
         "vkCmdSetDescriptorBufferOffsets2EXT",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_set_descriptor_buffer_offsets2(handle, info), ()) },
-        |answer| {
-            // SAFETY: `handle` is live, by the valid usage of vkCmdSetDescriptorBufferOffsets2EXT.
-            let found = unsafe { with_buffer(handle, |next| next.cmd_set_descriptor_buffer_offsets2) };
-            let Some((known, next)) = found else { return };
-            // SAFETY: the next layer's function, with the application's own arguments.
-            unsafe { next(handle, info) };
-            answer.made();
+        with_buffer,
+        cmd_set_descriptor_buffer_offsets2(handle, info),
+        |known, next| {
+            next();
             let Some(known) = known else { return };
-            // SAFETY: the pointer is valid, by the same valid usage, which demands as many indices and offsets as sets.
+            // SAFETY: the pointer is valid, by valid usage, which demands as many indices and offsets as sets.
             let (info, indices, offsets) = unsafe {
                 let info = &*info;
                 (info, slice(info.p_buffer_indices, info.set_count), slice(info.p_offsets, info.set_count))
@@ -253,9 +235,9 @@ pub unsafe extern "system" fn set_offsets2(
                     kept.set(Call { point, layout: info.layout, first: info.first_set, what });
                 }
             };
-            // SAFETY: the command buffer is recording, by the same valid usage.
+            // SAFETY: the command buffer is recording, by valid usage.
             unsafe { note(&known, handle, &points, set) };
-        },
+        }
     );
 }
 
@@ -266,27 +248,18 @@ pub unsafe extern "system" fn bind_samplers(
     layout: vk::PipelineLayout,
     set: u32,
 ) {
-    guard(
+    hook!(
         "vkCmdBindDescriptorBufferEmbeddedSamplersEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                with_buffer: handle,
-                cmd_bind_descriptor_buffer_embedded_samplers(handle, point, layout, set),
-                ()
-            )
-        },
-        // SAFETY: the application's own arguments.
-        |answer| unsafe {
-            let bind = with_buffer(handle, |next| next.cmd_bind_descriptor_buffer_embedded_samplers);
-            let Some((known, next)) = bind else { return };
-            next(handle, point, layout, set);
-            answer.made();
+        with_buffer,
+        cmd_bind_descriptor_buffer_embedded_samplers(handle, point, layout, set),
+        |known, next| {
+            next();
             if let Some(known) = known {
                 let call = Call { point, layout, first: set, what: What::Samplers };
-                note(&known, handle, &[point], |kept| kept.set(call.clone()));
+                // SAFETY: the command buffer is recording, by valid usage.
+                unsafe { note(&known, handle, &[point], |kept| kept.set(call.clone())) };
             }
-        },
+        }
     );
 }
 
@@ -295,28 +268,25 @@ pub unsafe extern "system" fn bind_samplers2(
     handle: vk::CommandBuffer,
     info: *const vk::BindDescriptorBufferEmbeddedSamplersInfoEXT<'_>,
 ) {
-    guard(
+    hook!(
         "vkCmdBindDescriptorBufferEmbeddedSamplers2EXT",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(with_buffer: handle, cmd_bind_descriptor_buffer_embedded_samplers2(handle, info), ())
-        },
-        // SAFETY: the application's own arguments: a valid structure.
-        |answer| unsafe {
-            let bind = with_buffer(handle, |next| next.cmd_bind_descriptor_buffer_embedded_samplers2);
-            let Some((known, next)) = bind else { return };
-            next(handle, info);
-            answer.made();
-            if let Some(known) = known {
-                let (info, points) = (&*info, points((*info).stage_flags));
-                note(&known, handle, &points, |kept| {
-                    kept.has_more |= !info.p_next.is_null();
-                    for &point in &points {
-                        kept.set(Call { point, layout: info.layout, first: info.set, what: What::Samplers });
-                    }
-                });
-            }
-        },
+        with_buffer,
+        cmd_bind_descriptor_buffer_embedded_samplers2(handle, info),
+        |known, next| {
+            next();
+            let Some(known) = known else { return };
+            // SAFETY: the pointer is valid, by valid usage.
+            let info = unsafe { &*info };
+            let points = points(info.stage_flags);
+            let set = |kept: &mut BufferOffsets| {
+                kept.has_more |= !info.p_next.is_null();
+                for &point in &points {
+                    kept.set(Call { point, layout: info.layout, first: info.set, what: What::Samplers });
+                }
+            };
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { note(&known, handle, &points, set) };
+        }
     );
 }
 

@@ -7,12 +7,11 @@
 
 use super::sets::BoundSets;
 use super::{Buffer, with_buffer};
-use crate::abi::guard;
+use crate::abi::copies::slice;
 use crate::backend::mask::Returning;
 use crate::vk::functions::ArmedTable;
 use ash::vk;
 use smallvec::SmallVec;
-use std::slice;
 use std::sync::Arc;
 
 const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
@@ -146,22 +145,20 @@ pub unsafe extern "system" fn set_viewport(
     count: u32,
     viewports: *const vk::Viewport,
 ) {
-    guard(
+    hook!(
         "vkCmdSetViewport",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_set_viewport(handle, first, count, viewports), ()) },
-        // SAFETY: the application's own arguments: `count` viewports.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_viewport) else { return };
-            next(handle, first, count, viewports);
-            answer.made();
+        with_buffer,
+        cmd_set_viewport(handle, first, count, viewports),
+        |known, next| {
+            next();
             if let Some(known) = known.filter(|_| count > 0) {
                 let drawing = &mut known.recorded().drawing;
                 if drawing.is_followed {
-                    keep(&mut drawing.viewports, first, slice::from_raw_parts(viewports, count as usize));
+                    // SAFETY: valid usage demands so many viewports.
+                    keep(&mut drawing.viewports, first, unsafe { slice(viewports, count) });
                 }
             }
-        },
+        }
     );
 }
 
@@ -172,23 +169,16 @@ pub unsafe extern "system" fn set_scissor(
     count: u32,
     scissors: *const vk::Rect2D,
 ) {
-    guard(
-        "vkCmdSetScissor",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_set_scissor(handle, first, count, scissors), ()) },
-        // SAFETY: the application's own arguments: `count` rectangles.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_scissor) else { return };
-            next(handle, first, count, scissors);
-            answer.made();
-            if let Some(known) = known.filter(|_| count > 0) {
-                let drawing = &mut known.recorded().drawing;
-                if drawing.is_followed {
-                    keep(&mut drawing.scissors, first, slice::from_raw_parts(scissors, count as usize));
-                }
+    hook!("vkCmdSetScissor", with_buffer, cmd_set_scissor(handle, first, count, scissors), |known, next| {
+        next();
+        if let Some(known) = known.filter(|_| count > 0) {
+            let drawing = &mut known.recorded().drawing;
+            if drawing.is_followed {
+                // SAFETY: valid usage demands so many scissors.
+                keep(&mut drawing.scissors, first, unsafe { slice(scissors, count) });
             }
-        },
-    );
+        }
+    });
 }
 
 /// The application binds a pipeline: `bind` binds it, or its substitute.

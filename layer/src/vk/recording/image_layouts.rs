@@ -2,10 +2,9 @@
 
 use super::pending::{barriers, barriers2};
 use super::{Buffer, timed, with_buffer};
-use crate::abi::guard;
+use crate::abi::copies::slice;
 use crate::pass_detection::Target;
 use ash::vk;
-use std::slice;
 
 /// `vkCmdPipelineBarrier`.
 #[allow(clippy::too_many_arguments, reason = "the arguments of vkCmdPipelineBarrier")]
@@ -21,35 +20,37 @@ pub unsafe extern "system" fn pipeline_barrier(
     count: u32,
     images: *const vk::ImageMemoryBarrier<'_>,
 ) {
-    // SAFETY: the application's own arguments; `count` barriers of images are there.
-    guard(
+    hook!(
         "vkCmdPipelineBarrier",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                with_buffer: handle,
-                cmd_pipeline_barrier(
-                    handle, from, to, flags, memory_count, memory, buffer_count, buffers, count, images
-                ),
-                ()
-            )
-        },
-        // SAFETY: the application's own arguments, valid for the next layer as for us; `images` are `count`, as the specification demands.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_pipeline_barrier) else { return };
+        with_buffer,
+        cmd_pipeline_barrier(
+            handle,
+            from,
+            to,
+            flags,
+            memory_count,
+            memory,
+            buffer_count,
+            buffers,
+            count,
+            images
+        ),
+        |known, next| {
+            // SAFETY: valid usage demands so many barriers of images.
+            let images = unsafe { slice(images, count) };
             if let Some(known) = &known {
-                timed::work_begins(known, handle);
+                // SAFETY: the command buffer is recording, by valid usage.
+                unsafe { timed::work_begins(known, handle) };
             }
             if let Some(known) = known.as_ref().filter(|_| count > 0) {
-                known.fill_for(handle, barriers(slice::from_raw_parts(images, count as usize)));
+                // SAFETY: as above.
+                unsafe { known.fill_for(handle, barriers(images)) };
             }
-            next(handle, from, to, flags, memory_count, memory, buffer_count, buffers, count, images);
-            answer.made();
+            next();
             if let Some(known) = known.filter(|known| count > 0 && !known.armed.layouts.is_empty()) {
-                let images = slice::from_raw_parts(images, count as usize);
                 known.leave(images.iter().map(|barrier| (barrier.image, barrier.new_layout)));
             }
-        },
+        }
     );
 }
 
@@ -58,27 +59,22 @@ pub unsafe extern "system" fn pipeline_barrier2(
     handle: vk::CommandBuffer,
     info: *const vk::DependencyInfo<'_>,
 ) {
-    // SAFETY: the application's own arguments; `info` is valid, with as many barriers as it says.
-    guard(
-        "vkCmdPipelineBarrier2",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_pipeline_barrier2(handle, info), ()) },
-        // SAFETY: as above: `info` is valid, with as many barriers as it says.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_pipeline_barrier2) else { return };
-            if let Some(known) = &known {
+    hook!("vkCmdPipelineBarrier2", with_buffer, cmd_pipeline_barrier2(handle, info), |known, next| {
+        // SAFETY: the pointer is valid, by valid usage, for the time of the call, with so many barriers of images.
+        let (info, images) =
+            unsafe { (&*info, slice((*info).p_image_memory_barriers, (*info).image_memory_barrier_count)) };
+        if let Some(known) = &known {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe {
                 timed::work_begins(known, handle);
-                known.fill_for(handle, barriers2(&*info));
+                known.fill_for(handle, barriers2(info));
             }
-            next(handle, info);
-            answer.made();
-            let count = (*info).image_memory_barrier_count as usize;
-            if let Some(known) = known.filter(|known| count > 0 && !known.armed.layouts.is_empty()) {
-                let images = slice::from_raw_parts((*info).p_image_memory_barriers, count);
-                known.leave(images.iter().map(|barrier| (barrier.image, barrier.new_layout)));
-            }
-        },
-    );
+        }
+        next();
+        if let Some(known) = known.filter(|known| !images.is_empty() && !known.armed.layouts.is_empty()) {
+            known.leave(images.iter().map(|barrier| (barrier.image, barrier.new_layout)));
+        }
+    });
 }
 
 impl Buffer {

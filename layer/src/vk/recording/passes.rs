@@ -1,7 +1,7 @@
 //! Render passes.
 
 use super::{Buffer, Within, drawing, draws, stencil, timed, with_buffer};
-use crate::abi::guard;
+use crate::abi::copies::slice;
 use crate::backend::mask::{Attachments, DepthWork, MaskMap, Masks, OpenMask, PassContext};
 use crate::pass_detection::{Pass, Target, Unmasked};
 use crate::vk::candidates::Candidate;
@@ -9,7 +9,6 @@ use crate::vk::chain::extension;
 use crate::vk::objects::{Objects, RenderPass};
 use ash::vk;
 use smallvec::SmallVec;
-use std::slice;
 use std::sync::Arc;
 
 /// `vkCmdBeginRenderPass`.
@@ -18,22 +17,22 @@ pub unsafe extern "system" fn begin(
     info: *const vk::RenderPassBeginInfo<'_>,
     contents: vk::SubpassContents,
 ) {
-    // SAFETY: the application's own arguments; `info` is valid.
-    guard(
+    hook!(
         "vkCmdBeginRenderPass",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_begin_render_pass(handle, info, contents), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_render_pass) else { return };
+        with_buffer,
+        cmd_begin_render_pass(handle, info, contents),
+        |known, next, answer| {
             let begin = |info: *const vk::RenderPassBeginInfo<'_>| {
-                next(handle, info, contents);
+                // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
+                unsafe { next(handle, info, contents) };
                 answer.made();
             };
             match known {
-                Some(known) => begin_tracked(&known, handle, info, begin),
+                // SAFETY: the application's own arguments, with the valid usage of the call.
+                Some(known) => unsafe { begin_tracked(&known, handle, info, begin) },
                 None => begin(info),
             }
-        },
+        }
     );
 }
 
@@ -43,59 +42,45 @@ pub unsafe extern "system" fn begin2(
     info: *const vk::RenderPassBeginInfo<'_>,
     subpass: *const vk::SubpassBeginInfo<'_>,
 ) {
-    // SAFETY: the application's own arguments; `info` is valid.
-    guard(
+    hook!(
         "vkCmdBeginRenderPass2",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_begin_render_pass2(handle, info, subpass), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_render_pass2) else { return };
+        with_buffer,
+        cmd_begin_render_pass2(handle, info, subpass),
+        |known, next, answer| {
             let begin = |info: *const vk::RenderPassBeginInfo<'_>| {
-                next(handle, info, subpass);
+                // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
+                unsafe { next(handle, info, subpass) };
                 answer.made();
             };
             match known {
-                Some(known) => begin_tracked(&known, handle, info, begin),
+                // SAFETY: the application's own arguments, with the valid usage of the call.
+                Some(known) => unsafe { begin_tracked(&known, handle, info, begin) },
                 None => begin(info),
             }
-        },
+        }
     );
 }
 
 /// `vkCmdEndRenderPass`.
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
-    // SAFETY: the application's own argument.
-    guard(
-        "vkCmdEndRenderPass",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_end_render_pass(handle), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_render_pass) else { return };
-            next(handle);
-            answer.made();
-            if let Some(known) = known {
-                end_tracked(&known, handle);
-            }
-        },
-    );
+    hook!("vkCmdEndRenderPass", with_buffer, cmd_end_render_pass(handle), |known, next| {
+        next();
+        if let Some(known) = known {
+            // SAFETY: the command buffer is recording, by valid usage, and outside of render passes since the call.
+            unsafe { end_tracked(&known, handle) };
+        }
+    });
 }
 
 /// `vkCmdEndRenderPass2`.
 pub unsafe extern "system" fn end2(handle: vk::CommandBuffer, info: *const vk::SubpassEndInfo<'_>) {
-    // SAFETY: the application's own arguments.
-    guard(
-        "vkCmdEndRenderPass2",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_end_render_pass2(handle, info), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_render_pass2) else { return };
-            next(handle, info);
-            answer.made();
-            if let Some(known) = known {
-                end_tracked(&known, handle);
-            }
-        },
-    );
+    hook!("vkCmdEndRenderPass2", with_buffer, cmd_end_render_pass2(handle, info), |known, next| {
+        next();
+        if let Some(known) = known {
+            // SAFETY: the command buffer is recording, by valid usage, and outside of render passes since the call.
+            unsafe { end_tracked(&known, handle) };
+        }
+    });
 }
 
 /// `vkCmdClearAttachments`.
@@ -106,28 +91,20 @@ pub unsafe extern "system" fn clear_attachments(
     rect_count: u32,
     rects: *const vk::ClearRect,
 ) {
-    // SAFETY: the application's own arguments; `count` attachments are there.
-    guard(
+    hook!(
         "vkCmdClearAttachments",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                with_buffer: handle,
-                cmd_clear_attachments(handle, count, attachments, rect_count, rects),
-                ()
-            )
-        },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_clear_attachments) else { return };
-            next(handle, count, attachments, rect_count, rects);
-            answer.made();
-            let clears_depth = slice::from_raw_parts(attachments, count as usize)
+        with_buffer,
+        cmd_clear_attachments(handle, count, attachments, rect_count, rects),
+        |known, next| {
+            next();
+            // SAFETY: valid usage demands so many attachments.
+            let clears_depth = unsafe { slice(attachments, count) }
                 .iter()
                 .any(|cleared| cleared.aspect_mask.contains(vk::ImageAspectFlags::DEPTH));
             if let Some(known) = known.filter(|_| clears_depth) {
                 known.recorded().add(Within { clears_depth, ..Within::default() });
             }
-        },
+        }
     );
 }
 
@@ -320,14 +297,10 @@ impl Instance {
         let render_pass = objects.render_pass(info.render_pass)?;
         let framebuffer = objects.framebuffer(info.framebuffer)?;
         let targets = if framebuffer.is_imageless {
-            // SAFETY: the caller vouches for the chain, and for the array in it.
+            // SAFETY: the chain is valid, as `# Safety` demands, with so many views.
             let views = unsafe {
-                extension::<vk::RenderPassAttachmentBeginInfo<'_>>(info.p_next).map_or(&[][..], |begin| {
-                    match begin.attachment_count {
-                        0 => &[],
-                        count => slice::from_raw_parts(begin.p_attachments, count as usize),
-                    }
-                })
+                extension::<vk::RenderPassAttachmentBeginInfo<'_>>(info.p_next)
+                    .map_or(&[][..], |begin| slice(begin.p_attachments, begin.attachment_count))
             };
             views.iter().map(|&view| Some(objects.view(view)?.target)).collect()
         } else {
@@ -362,12 +335,7 @@ impl Instance {
     /// Valid usage of vkCmdBeginRenderPass.
     unsafe fn attachments(&self, masks: &Masks, info: &vk::RenderPassBeginInfo<'_>) -> Attachments {
         // SAFETY: the array has that many valid elements, by the valid usage of vkCmdBeginRenderPass.
-        let clears = unsafe {
-            match info.clear_value_count {
-                0 => &[][..],
-                count => slice::from_raw_parts(info.p_clear_values, count as usize),
-            }
-        };
+        let clears = unsafe { slice(info.p_clear_values, info.clear_value_count) };
         let is_loadable = masks.can_load(info.render_pass);
         Attachments::of_render_pass(&self.render_pass, &self.targets, clears, is_loadable)
     }

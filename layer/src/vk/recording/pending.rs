@@ -2,7 +2,6 @@
 
 use super::{Buffer, draws, stencil, timed, with_buffer};
 use crate::abi::copies::slice;
-use crate::abi::guard;
 use crate::backend::mask::{Attachments, MaskMap, Pending};
 use crate::pass_detection::ImageKey;
 use ash::vk;
@@ -117,25 +116,18 @@ impl Buffer {
 
 /// `vkEndCommandBuffer`.
 pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Result {
-    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
-    guard(
-        "vkEndCommandBuffer",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, end_command_buffer(handle), FAILED) },
-        // SAFETY: `handle` is live and recording, outside of render passes, by the valid usage of vkEndCommandBuffer.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.end_command_buffer) else {
-                return FAILED;
-            };
-            if let Some(known) = known {
-                stencil::changes(&known, handle);
-                draws::settle(&known, handle);
+    hook!("vkEndCommandBuffer", with_buffer, end_command_buffer(handle), |known, next| {
+        if let Some(known) = known {
+            stencil::changes(&known, handle);
+            draws::settle(&known, handle);
+            // SAFETY: the command buffer is recording, outside of render passes, by valid usage.
+            unsafe {
                 known.fill_all(handle);
                 timed::buffer_ends(&known, handle);
             }
-            answer.record(next(handle))
-        },
-    )
+        }
+        next()
+    })
 }
 
 /// `vkCmdWaitEvents`.
@@ -153,44 +145,29 @@ pub unsafe extern "system" fn wait_events(
     count: u32,
     images: *const vk::ImageMemoryBarrier<'_>,
 ) {
-    guard(
+    hook!(
         "vkCmdWaitEvents",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                with_buffer: handle,
-                cmd_wait_events(
-                    handle, event_count, events, from, to, memory_count, memory, buffer_count, buffers, count, images
-                ),
-                ()
-            )
-        },
-        |answer| {
-            // SAFETY: `handle` is live, by the valid usage of vkCmdWaitEvents.
-            let found = unsafe { with_buffer(handle, |next| next.cmd_wait_events) };
-            let Some((known, next)) = found else { return };
+        with_buffer,
+        cmd_wait_events(
+            handle,
+            event_count,
+            events,
+            from,
+            to,
+            memory_count,
+            memory,
+            buffer_count,
+            buffers,
+            count,
+            images
+        ),
+        |known, next| {
             if let Some(known) = known.filter(|_| count > 0) {
-                // SAFETY: the same valid usage demands `count` barriers of images, and a command buffer that is recording.
+                // SAFETY: valid usage demands `count` barriers of images, and a command buffer that is recording.
                 unsafe { known.fill_for(handle, barriers(slice(images, count))) };
             }
-            // SAFETY: the next layer's function, with the application's own arguments.
-            unsafe {
-                next(
-                    handle,
-                    event_count,
-                    events,
-                    from,
-                    to,
-                    memory_count,
-                    memory,
-                    buffer_count,
-                    buffers,
-                    count,
-                    images,
-                );
-            }
-            answer.made();
-        },
+            next();
+        }
     );
 }
 
@@ -201,22 +178,16 @@ pub unsafe extern "system" fn wait_events2(
     events: *const vk::Event,
     infos: *const vk::DependencyInfo<'_>,
 ) {
-    guard(
-        "vkCmdWaitEvents2",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_wait_events2(handle, count, events, infos), ()) },
-        // SAFETY: the application's own arguments: a structure for each event.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_wait_events2) else { return };
-            if let Some(known) = known.filter(|_| count > 0) {
-                for info in slice(infos, count) {
-                    known.fill_for(handle, barriers2(info));
-                }
+    hook!("vkCmdWaitEvents2", with_buffer, cmd_wait_events2(handle, count, events, infos), |known, next| {
+        if let Some(known) = known.filter(|_| count > 0) {
+            // SAFETY: valid usage demands a structure for each event.
+            for info in unsafe { slice(infos, count) } {
+                // SAFETY: the structure is valid, and the command buffer recording, by valid usage.
+                unsafe { known.fill_for(handle, barriers2(info)) };
             }
-            next(handle, count, events, infos);
-            answer.made();
-        },
-    );
+        }
+        next();
+    });
 }
 
 /// Image barriers, as far as they count.

@@ -1,7 +1,6 @@
 //! Occlusion queries and conditional rendering: their results depend on the drawn samples.
 
 use super::{Buffer, Recorded, Within, with_buffer};
-use crate::abi::guard;
 use ash::vk;
 
 /// `vkCmdBeginQuery`.
@@ -11,23 +10,16 @@ pub unsafe extern "system" fn begin(
     query: u32,
     flags: vk::QueryControlFlags,
 ) {
-    // SAFETY: the application's own arguments.
-    guard(
-        "vkCmdBeginQuery",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_begin_query(handle, pool, query, flags), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_query) else { return };
-            fill_before(known.as_deref(), handle);
-            next(handle, pool, query, flags);
-            answer.made();
-            if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
-                let mut recorded = known.recorded();
-                recorded.queries += 1;
-                set_queried(&mut recorded);
-            }
-        },
-    );
+    hook!("vkCmdBeginQuery", with_buffer, cmd_begin_query(handle, pool, query, flags), |known, next| {
+        // SAFETY: the command buffer is recording, by valid usage.
+        unsafe { fill_before(known.as_deref(), handle) };
+        next();
+        if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
+            let mut recorded = known.recorded();
+            recorded.queries += 1;
+            set_queried(&mut recorded);
+        }
+    });
 }
 
 /// Records pending fills, which must be neither counted nor left out.
@@ -44,21 +36,13 @@ unsafe fn fill_before(known: Option<&Buffer>, handle: vk::CommandBuffer) {
 
 /// `vkCmdEndQuery`.
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
-    // SAFETY: the application's own arguments.
-    guard(
-        "vkCmdEndQuery",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_end_query(handle, pool, query), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_query) else { return };
-            next(handle, pool, query);
-            answer.made();
-            if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
-                let mut recorded = known.recorded();
-                recorded.queries = recorded.queries.saturating_sub(1);
-            }
-        },
-    );
+    hook!("vkCmdEndQuery", with_buffer, cmd_end_query(handle, pool, query), |known, next| {
+        next();
+        if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
+            let mut recorded = known.recorded();
+            recorded.queries = recorded.queries.saturating_sub(1);
+        }
+    });
 }
 
 /// `vkCmdBeginConditionalRenderingEXT`.
@@ -66,44 +50,35 @@ pub unsafe extern "system" fn begin_conditional(
     handle: vk::CommandBuffer,
     info: *const vk::ConditionalRenderingBeginInfoEXT<'_>,
 ) {
-    // SAFETY: the application's own arguments.
-    guard(
+    hook!(
         "vkCmdBeginConditionalRenderingEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_begin_conditional_rendering(handle, info), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_conditional_rendering) else {
-                return;
-            };
-            fill_before(known.as_deref(), handle);
-            next(handle, info);
-            answer.made();
+        with_buffer,
+        cmd_begin_conditional_rendering(handle, info),
+        |known, next| {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { fill_before(known.as_deref(), handle) };
+            next();
             if let Some(known) = known {
                 let mut recorded = known.recorded();
                 recorded.is_conditional = true;
                 set_queried(&mut recorded);
             }
-        },
+        }
     );
 }
 
 /// `vkCmdEndConditionalRenderingEXT`.
 pub unsafe extern "system" fn end_conditional(handle: vk::CommandBuffer) {
-    // SAFETY: the application's own argument.
-    guard(
+    hook!(
         "vkCmdEndConditionalRenderingEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_end_conditional_rendering(handle), ()) },
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_conditional_rendering) else {
-                return;
-            };
-            next(handle);
-            answer.made();
+        with_buffer,
+        cmd_end_conditional_rendering(handle),
+        |known, next| {
+            next();
             if let Some(known) = known {
                 known.recorded().is_conditional = false;
             }
-        },
+        }
     );
 }
 

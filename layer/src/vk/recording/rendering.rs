@@ -3,7 +3,6 @@
 use super::passes::end_tracked;
 use super::{Buffer, drawing, draws, timed, with_buffer};
 use crate::abi::copies::slice;
-use crate::abi::guard;
 use crate::backend::mask::{DepthWork, Masks, OpenMask, rendering_attachments};
 use crate::pass_detection::{Pass, PassFacts, Target, Unmasked};
 use crate::vk::candidates::Candidate;
@@ -14,44 +13,29 @@ use std::sync::Arc;
 
 /// `vkCmdBeginRendering`.
 pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>) {
-    guard(
-        "vkCmdBeginRendering",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_begin_rendering(handle, info), ()) },
-        |answer| {
-            // SAFETY: `handle` is live, by the valid usage of vkCmdBeginRendering.
-            let found = unsafe { with_buffer(handle, |next| next.cmd_begin_rendering) };
-            let Some((known, next)) = found else { return };
-            let begin = |info: *const vk::RenderingInfo<'_>| {
-                // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
-                unsafe { next(handle, info) };
-                answer.made();
-            };
-            match known.filter(|known| known.armed.follows_passes()) {
-                // SAFETY: the application's own arguments, with the valid usage of vkCmdBeginRendering.
-                Some(known) => unsafe { begin_tracked(&known, handle, info, begin) },
-                None => begin(info),
-            }
-        },
-    );
+    hook!("vkCmdBeginRendering", with_buffer, cmd_begin_rendering(handle, info), |known, next, answer| {
+        let begin = |info: *const vk::RenderingInfo<'_>| {
+            // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
+            unsafe { next(handle, info) };
+            answer.made();
+        };
+        match known.filter(|known| known.armed.follows_passes()) {
+            // SAFETY: the application's own arguments, with the valid usage of vkCmdBeginRendering.
+            Some(known) => unsafe { begin_tracked(&known, handle, info, begin) },
+            None => begin(info),
+        }
+    });
 }
 
 /// `vkCmdEndRendering`.
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
-    guard(
-        "vkCmdEndRendering",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_end_rendering(handle), ()) },
-        // SAFETY: `handle` is live and recording, by the valid usage of vkCmdEndRendering, and after the call outside of rendering.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_rendering) else { return };
-            next(handle);
-            answer.made();
-            if let Some(known) = known {
-                end_tracked(&known, handle);
-            }
-        },
-    );
+    hook!("vkCmdEndRendering", with_buffer, cmd_end_rendering(handle), |known, next| {
+        next();
+        if let Some(known) = known {
+            // SAFETY: the command buffer is recording, by valid usage, and outside of rendering since the call.
+            unsafe { end_tracked(&known, handle) };
+        }
+    });
 }
 
 /// Begins dynamic rendering with `begin`, with rates or a mask where it may have them, and notes it.

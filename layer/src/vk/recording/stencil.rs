@@ -4,7 +4,6 @@
 //! pass tell whether it drew.
 
 use super::{Buffer, Recorded, draws, with_buffer};
-use crate::abi::guard;
 use crate::backend::mask::PipelineFacts;
 use ash::vk;
 
@@ -62,22 +61,17 @@ pub fn changes(of: &Buffer, handle: vk::CommandBuffer) {
 
 /// `vkCmdSetStencilTestEnable`.
 pub unsafe extern "system" fn set_test(handle: vk::CommandBuffer, is_on: vk::Bool32) {
-    guard(
+    hook!(
         "vkCmdSetStencilTestEnable",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(with_buffer: handle, cmd_set_stencil_test_enable(handle, is_on), ()) },
-        // SAFETY: the application's own arguments.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_stencil_test_enable) else {
-                return;
-            };
+        with_buffer,
+        cmd_set_stencil_test_enable(handle, is_on),
+        |known, next| {
             if let Some(known) = &known {
                 changes(known, handle);
                 known.recorded().stencil.is_on = Some(is_on == vk::TRUE);
             }
-            next(handle, is_on);
-            answer.made();
-        },
+            next();
+        }
     );
 }
 
@@ -90,22 +84,17 @@ pub unsafe extern "system" fn set_op(
     depth_fail: vk::StencilOp,
     compare: vk::CompareOp,
 ) {
-    guard(
+    hook!(
         "vkCmdSetStencilOp",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(with_buffer: handle, cmd_set_stencil_op(handle, faces, fail, pass, depth_fail, compare), ())
-        },
-        // SAFETY: the application's own arguments.
-        |answer| unsafe {
-            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_stencil_op) else { return };
+        with_buffer,
+        cmd_set_stencil_op(handle, faces, fail, pass, depth_fail, compare),
+        |known, next| {
             if let Some(known) = &known {
                 changes(known, handle);
                 known.recorded().stencil.set_op(faces, [fail, pass, depth_fail]);
             }
-            next(handle, faces, fail, pass, depth_fail, compare);
-            answer.made();
-        },
+            next();
+        }
     );
 }
 

@@ -3,14 +3,13 @@
 mod region;
 
 use super::{Buffer, timed, with_buffer};
-use crate::abi::guard;
+use crate::abi::copies::slice;
 use crate::pass_detection::{Event, Transfer, TransferKind};
 use ash::vk;
 use region::Region;
-use std::slice;
 
 /// A hook of the first kind, whose regions are arguments.
-macro_rules! hook {
+macro_rules! transfer {
     ($function:ident, $name:literal, $next:ident, $kind:ident, $region:ident $(, $filter:ident)?) => {
         #[doc = concat!("`", $name, "`.")]
         pub unsafe extern "system" fn $function(
@@ -23,62 +22,54 @@ macro_rules! hook {
             regions: *const vk::$region,
             $($filter: vk::Filter,)?
         ) {
-            // SAFETY: the application's own arguments; `count` regions are there.
-            // SAFETY: as above.
-            let pass_on = || unsafe {
-                pass_on!(with_buffer: handle, $next(handle, from, from_layout, to, to_layout, count, regions $(, $filter)?), ())
-            };
-            // SAFETY: as above.
-            guard($name, pass_on, |answer| unsafe {
-                let Some((known, next)) = with_buffer(handle, |next| next.$next) else { return };
-                if let Some(known) = &known {
-                    timed::work_begins(known, handle);
+            hook!(
+                $name,
+                with_buffer,
+                $next(handle, from, from_layout, to, to_layout, count, regions $(, $filter)?),
+                |known, next| {
+                    if let Some(known) = &known {
+                        // SAFETY: the command buffer is recording, by valid usage.
+                        unsafe { timed::work_begins(known, handle) };
+                    }
+                    next();
+                    if let Some(known) = known {
+                        // SAFETY: the valid usage of the call demands `count` regions.
+                        let regions = unsafe { slice(regions, count) };
+                        note(&known, TransferKind::$kind, from, to, regions);
+                    }
                 }
-                next(handle, from, from_layout, to, to_layout, count, regions $(, $filter)?);
-                answer.made();
+            );
+        }
+    };
+}
+
+/// A hook of the second kind, with a structure.
+macro_rules! transfer2 {
+    ($function:ident, $name:literal, $next:ident, $kind:ident, $info:ident) => {
+        #[doc = concat!("`", $name, "`.")]
+        pub unsafe extern "system" fn $function(handle: vk::CommandBuffer, info: *const vk::$info<'_>) {
+            hook!($name, with_buffer, $next(handle, info), |known, next| {
+                if let Some(known) = &known {
+                    // SAFETY: the command buffer is recording, by valid usage.
+                    unsafe { timed::work_begins(known, handle) };
+                }
+                next();
                 if let Some(known) = known {
-                    let regions = slice::from_raw_parts(regions, count as usize);
-                    note(&known, TransferKind::$kind, from, to, regions);
+                    // SAFETY: the pointer is valid, by valid usage, with as many regions as it says.
+                    let (info, regions) = unsafe { (&*info, slice((*info).p_regions, (*info).region_count)) };
+                    note(&known, TransferKind::$kind, info.src_image, info.dst_image, regions);
                 }
             });
         }
     };
 }
 
-/// A hook of the second kind, with a structure.
-macro_rules! hook2 {
-    ($function:ident, $name:literal, $next:ident, $kind:ident, $info:ident) => {
-        #[doc = concat!("`", $name, "`.")]
-        pub unsafe extern "system" fn $function(handle: vk::CommandBuffer, info: *const vk::$info<'_>) {
-            // SAFETY: the application's own arguments; `info` is valid, with as many regions as it says.
-            guard(
-                $name,
-                // SAFETY: as above.
-                || unsafe { pass_on!(with_buffer: handle, $next(handle, info), ()) },
-                // SAFETY: as above.
-                |answer| unsafe {
-                    let Some((known, next)) = with_buffer(handle, |next| next.$next) else { return };
-                    if let Some(known) = &known {
-                        timed::work_begins(known, handle);
-                    }
-                    next(handle, info);
-                    answer.made();
-                    if let Some(known) = known {
-                        let regions = slice::from_raw_parts((*info).p_regions, (*info).region_count as usize);
-                        note(&known, TransferKind::$kind, (*info).src_image, (*info).dst_image, regions);
-                    }
-                },
-            );
-        }
-    };
-}
-
-hook!(copy, "vkCmdCopyImage", cmd_copy_image, Copy, ImageCopy);
-hook!(blit, "vkCmdBlitImage", cmd_blit_image, Blit, ImageBlit, filter);
-hook!(resolve, "vkCmdResolveImage", cmd_resolve_image, Resolve, ImageResolve);
-hook2!(copy2, "vkCmdCopyImage2", cmd_copy_image2, Copy, CopyImageInfo2);
-hook2!(blit2, "vkCmdBlitImage2", cmd_blit_image2, Blit, BlitImageInfo2);
-hook2!(resolve2, "vkCmdResolveImage2", cmd_resolve_image2, Resolve, ResolveImageInfo2);
+transfer!(copy, "vkCmdCopyImage", cmd_copy_image, Copy, ImageCopy);
+transfer!(blit, "vkCmdBlitImage", cmd_blit_image, Blit, ImageBlit, filter);
+transfer!(resolve, "vkCmdResolveImage", cmd_resolve_image, Resolve, ImageResolve);
+transfer2!(copy2, "vkCmdCopyImage2", cmd_copy_image2, Copy, CopyImageInfo2);
+transfer2!(blit2, "vkCmdBlitImage2", cmd_blit_image2, Blit, BlitImageInfo2);
+transfer2!(resolve2, "vkCmdResolveImage2", cmd_resolve_image2, Resolve, ResolveImageInfo2);
 
 /// Notes transfers of colour between images that are known.
 fn note(buffer: &Buffer, kind: TransferKind, from: vk::Image, to: vk::Image, regions: &[impl Region]) {

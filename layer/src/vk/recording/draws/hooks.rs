@@ -2,7 +2,6 @@
 
 use super::quick::quick;
 use super::{Counted, Counts, count, count_tracked};
-use crate::abi::guard;
 use crate::vk::recording::with_buffer;
 use ash::vk;
 
@@ -20,20 +19,12 @@ macro_rules! draws {
                 // SAFETY: the application's own arguments.
                 return unsafe { next(handle, $($argument),*) };
             }
-            guard(
-                $call,
-                // SAFETY: the application's own arguments.
-                || unsafe { pass_on!(with_buffer: handle, $field(handle, $($argument),*), ()) },
-                // SAFETY: as above.
-                |answer| unsafe {
-                    let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
-                    next(handle, $($argument),*);
-                    answer.made();
-                    if let Some(known) = known.filter(|known| known.armed.follows_passes()) {
-                        count_tracked(&known, handle, counts);
-                    }
-                },
-            );
+            hook!($call, with_buffer, $field(handle $(, $argument)*), |known, next| {
+                next();
+                if let Some(known) = known.filter(|known| known.armed.follows_passes()) {
+                    count_tracked(&known, handle, counts);
+                }
+            });
         }
     )*};
 }
