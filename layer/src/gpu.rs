@@ -126,7 +126,7 @@ impl Gpu {
         queue_family: u32,
         queue_index: u32,
     ) -> Result<Arc<Self>, GpuError> {
-        // SAFETY: the caller vouches for all.
+        // SAFETY: the record is as `# Safety` demands.
         unsafe { Self::sharing(record, (queue_family, queue_index), Shared::at_once(record)?) }
     }
 

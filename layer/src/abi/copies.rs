@@ -131,7 +131,7 @@ unsafe fn split_at<'c, T: TaggedStructure>(
 ) -> Option<(SmallVec<[&'c vk::BaseInStructure<'c>; 8]>, *const T)> {
     let mut before = SmallVec::new();
     let mut at: *const vk::BaseInStructure<'c> = first.cast();
-    // SAFETY: null, or a structure of the chain, which the caller vouches for.
+    // SAFETY: null, or the next structure of a valid chain, as `# Safety` demands.
     while let Some(structure) = unsafe { at.as_ref() } {
         if structure.s_type == T::STRUCTURE_TYPE {
             return Some((before, at.cast()));
@@ -149,7 +149,7 @@ unsafe fn split_at<'c, T: TaggedStructure>(
 /// `first` is null or starts a valid chain, which lives for `'c`.
 pub unsafe fn find<'c, T: TaggedStructure>(first: *const c_void) -> Option<&'c T> {
     let mut at: *const vk::BaseInStructure<'c> = first.cast();
-    // SAFETY: null, or a structure of the chain, which the caller vouches for; its type says what it is.
+    // SAFETY: null, or the next structure of a valid chain, as `# Safety` demands; its type says what it is.
     unsafe {
         while let Some(structure) = at.as_ref() {
             if structure.s_type == T::STRUCTURE_TYPE {
@@ -191,7 +191,7 @@ pub unsafe fn slice<'c, T>(first: *const T, count: u32) -> &'c [T] {
     if first.is_null() || count == 0 {
         return &[];
     }
-    // SAFETY: the caller vouches for it.
+    // SAFETY: so many elements are there, as `# Safety` demands.
     unsafe { std::slice::from_raw_parts(first, count as usize) }
 }
 

@@ -243,7 +243,7 @@ impl CommandRing {
     /// # Safety
     /// The fence is not in use.
     unsafe fn renew_fence(&mut self, device: &ash::Device, index: usize) -> Result<(), GpuError> {
-        // SAFETY: the device is live; the caller vouches for the fence.
+        // SAFETY: the device is live; the fence is not in use, as `# Safety` demands.
         unsafe {
             let new = device
                 .create_fence(&vk::FenceCreateInfo::default(), None)
@@ -299,7 +299,7 @@ impl CommandRing {
 /// # Safety
 /// The device is live, and nobody else uses any of its queues.
 pub(crate) unsafe fn wait_device(device: &ash::Device) -> bool {
-    // SAFETY: the caller vouches for all.
+    // SAFETY: the device is live and its queues are free, as `# Safety` demands.
     let result = unsafe { device.device_wait_idle() };
     matches!(result, Ok(()) | Err(vk::Result::ERROR_DEVICE_LOST))
 }

@@ -88,7 +88,7 @@ impl DepthTarget {
         let clears = [vk::ClearValue { depth_stencil: clear }];
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: self.description.extent };
         let graphics = vk::PipelineBindPoint::GRAPHICS;
-        // SAFETY: the caller vouches for command buffer and set; the rest is live and made for each other.
+        // SAFETY: the command buffer is recording outside of a render pass, and the set fits, as `# Safety` demands; the rest is live and made for each other.
         unsafe {
             device.cmd_bind_pipeline(commands, graphics, self.pipeline.handle());
             device.cmd_bind_descriptor_sets(commands, graphics, layout, 0, &[set], &[]);

@@ -121,7 +121,7 @@ impl CompatiblePass {
     /// # Safety
     /// The render pass was made on the device of `gpu`, and is nobody else's to destroy.
     pub(crate) unsafe fn new(gpu: &Arc<Gpu>, handle: vk::RenderPass) -> Self {
-        // SAFETY: the caller vouches for it.
+        // SAFETY: the render pass is of this device and nobody else's to destroy, as `# Safety` demands.
         Self(unsafe { Owned::new(gpu, handle, |device, handle| device.destroy_render_pass(handle, None)) })
     }
 

@@ -135,7 +135,7 @@ impl Functions {
 pub(crate) unsafe fn init_dispatch<H: Handle>(record: &DeviceRecord, object: H) -> Result<(), GpuError> {
     // A dispatchable handle is a pointer on every platform.
     let pointer = object.as_raw() as usize as *mut c_void;
-    // SAFETY: the caller vouches for the object; the callback is the loader's own.
+    // SAFETY: the object is one of the record's live device, as `# Safety` demands; the callback is the loader's own.
     unsafe { (record.set_device_loader_data)(record.device, pointer) }
         .result()
         .map_err(GpuError::from_call("vkSetDeviceLoaderData"))

@@ -140,7 +140,7 @@ pub(super) unsafe fn module_of_words(
     words: &[u32],
 ) -> Result<Owned<vk::ShaderModule>, GpuError> {
     let info = vk::ShaderModuleCreateInfo::default().code(words);
-    // SAFETY: the device is live, and the caller vouches for the code.
+    // SAFETY: the device is live, and the code valid for it, as `# Safety` demands.
     unsafe {
         let handle = gpu
             .device

@@ -69,7 +69,7 @@ impl Recordings {
             return Ok(Found::Recorded(found.commands));
         }
         if self.kept.len() < PER_SLOT {
-            // SAFETY: the caller vouches for all.
+            // SAFETY: the pool is a live one of the record's live device, as `# Safety` demands.
             let commands = unsafe { allocate(device, record, pool) }?;
             self.kept.push(Recording { commands, key: None, last_use: self.uses });
             return Ok(Found::Blank(commands));
@@ -106,7 +106,7 @@ pub(super) unsafe fn allocate(
         .level(vk::CommandBufferLevel::PRIMARY)
         .command_buffer_count(1);
     let mut commands = vk::CommandBuffer::null();
-    // SAFETY: the caller vouches for the pool; there is room for one handle. The function itself, as ash's own wrapper allocates a list.
+    // SAFETY: the pool is live, as `# Safety` demands; there is room for one handle. The function itself, as ash's own wrapper allocates a list.
     unsafe { (device.fp_v1_0().allocate_command_buffers)(device.handle(), &info, &mut commands) }
         .result()
         .map_err(GpuError::from_call("vkAllocateCommandBuffers"))?;

@@ -112,7 +112,7 @@ pub struct NextDevice {
 ///
 /// As for [`advance_instance`].
 pub unsafe fn instance_link(info: *const vk::InstanceCreateInfo<'_>) -> Option<*mut *mut InstanceLink> {
-    // SAFETY: the caller vouches for `info` and its chain; a loader structure has the layout of
+    // SAFETY: `info` is null or valid with its chain, as `# Safety` demands; a loader structure has the layout of
     // LayerInstanceCreateInfo, its `function` says which member of the union is set.
     unsafe {
         structures(info.as_ref()?.p_next, vk::StructureType::LOADER_INSTANCE_CREATE_INFO)
@@ -145,7 +145,7 @@ pub unsafe fn device_link(info: *const vk::DeviceCreateInfo<'_>) -> Option<*mut 
 /// `info` is null or points to a valid structure whose pNext chain is valid; the loader's structures in it
 /// are the loader's to be written by layers, as its interface says.
 pub unsafe fn advance_instance(info: *const vk::InstanceCreateInfo<'_>) -> Option<NextInstance> {
-    // SAFETY: the caller vouches for `info` and its chain.
+    // SAFETY: `info` is null or valid with its chain, as `# Safety` demands, and the loader's structure may be written.
     unsafe {
         let at = instance_link(info)?;
         let link = (*at).as_ref()?;
@@ -163,7 +163,7 @@ pub unsafe fn advance_instance(info: *const vk::InstanceCreateInfo<'_>) -> Optio
 ///
 /// As for [`advance_instance`].
 pub unsafe fn advance_device(info: *const vk::DeviceCreateInfo<'_>) -> Option<NextDevice> {
-    // SAFETY: the caller vouches for `info` and its chain; a loader structure has the layout of
+    // SAFETY: `info` is null or valid with its chain, as `# Safety` demands; a loader structure has the layout of
     // LayerDeviceCreateInfo.
     unsafe {
         let set_device_loader_data =
@@ -242,7 +242,7 @@ unsafe fn structures(
     std::iter::from_fn(move || {
         while !at.is_null() {
             let found = at;
-            // SAFETY: `found` is a structure of the chain, which the caller vouches for; each starts with
+            // SAFETY: `found` is a structure of the chain, which is valid, as `# Safety` demands; each starts with
             // a type and a pointer to the next.
             let s_type = unsafe {
                 at = (*found).p_next;

@@ -95,7 +95,7 @@ unsafe fn with_armed<T>(
         call,
         || (),
         |_| {
-            // SAFETY: the caller vouches for both.
+            // SAFETY: the device is live and the record null or valid, as `# Safety` demands.
             let (device, record) = unsafe { (device::of(device), record.as_ref()) };
             if let (Some(armed), Some(record)) = (device.as_ref().and_then(|d| d.armed.as_ref()), record) {
                 act(armed, record);

@@ -89,7 +89,7 @@ impl Perception {
             self.log_once("the size of the eye buffers differs from the plan");
             return self.forget_eye(eye);
         }
-        // SAFETY: the caller vouches for the device's queue.
+        // SAFETY: the record names the queue of the device's session, which was created with the device.
         let Some((queue, ring)) = (unsafe { self.queue(own, record.queue) }) else { return };
         let Some(eye_tiles) = self.eye(&tools, eye, tiles, extent) else { return };
         if decision.judged.is_none() {
@@ -267,7 +267,7 @@ impl Perception {
         let queue = match known {
             Some((_, queue)) => queue,
             None => {
-                // SAFETY: the caller vouches for the queue; the loader's callback may see it again, and writes the same pointer.
+                // SAFETY: the device was created with that queue, as `# Safety` demands; the loader's callback may see it again, and writes the same pointer.
                 let queue = unsafe {
                     let queue = own.functions.device.get_device_queue(id[0], id[1]);
                     crate::gpu::functions::init_dispatch(own.record, queue).ok()?;

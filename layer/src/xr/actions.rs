@@ -316,7 +316,7 @@ unsafe fn owed_event(handle: xr::Instance, event: *mut xr::EventDataBuffer) -> O
         next: ptr::null(),
         session,
     };
-    // SAFETY: the caller vouches for the buffer, which is larger than every event and as aligned.
+    // SAFETY: the buffer is valid, as `# Safety` demands: larger than every event, and as aligned.
     unsafe { event.cast::<xr::EventDataInteractionProfileChanged>().write(changed) };
     Some(xr::Result::SUCCESS)
 }

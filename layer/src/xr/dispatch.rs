@@ -23,7 +23,7 @@ macro_rules! functions {
             /// For a name, `get` returns the function of that name, or `None`.
             #[allow(clippy::missing_transmute_annotations, reason = "the field gives the type")]
             pub unsafe fn load(get: impl Fn(&CStr) -> Option<pfn::VoidFunction>) -> Result<Self, &'static CStr> {
-                // SAFETY: the caller vouches that each pointer is the function of that name, and the list
+                // SAFETY: `get` returns the function of that name, as `# Safety` demands, and the list
                 // gives each name its type.
                 unsafe { Ok(Self { $($field: std::mem::transmute(get($name).ok_or($name)?),)* }) }
             }

@@ -126,7 +126,7 @@ pub unsafe extern "system" fn create(
 ///
 /// `info` is valid, and its chain and the device in it are.
 unsafe fn vulkan_device(info: &xr::SessionCreateInfo) -> Result<VulkanDevice, String> {
-    // SAFETY: the caller vouches for the chain and the device.
+    // SAFETY: the chain and the device in it are valid, as `# Safety` demands.
     unsafe {
         let Some(binding) = extending(info.next).find::<VulkanBinding>() else {
             return Err("its graphics API is not Vulkan".to_owned());

@@ -97,7 +97,7 @@ impl Submission {
             layer_count: info.layer_count,
         };
         for index in 0..count as usize {
-            // SAFETY: the caller vouches for the array, and for each pointer in it.
+            // SAFETY: `xrEndFrame` demands so many pointers, each null here or to a valid layer.
             if let Some(layer) = unsafe { (*info.layers.add(index)).as_ref() } {
                 // SAFETY: as above.
                 unsafe { submission.read_layer(layer) };
@@ -112,7 +112,7 @@ impl Submission {
     ///
     /// The layer is valid with its views and chains, and of the type that it says.
     unsafe fn read_layer(&mut self, layer: &xr::CompositionLayerBaseHeader) {
-        // SAFETY: the caller vouches for the layer.
+        // SAFETY: the layer is valid and of its type, as `# Safety` demands.
         let known = unsafe {
             if let Some(layer) = cast::<xr::CompositionLayerProjection>(layer) {
                 return self.read_projection(layer);
@@ -139,7 +139,7 @@ impl Submission {
             return;
         }
         let first = self.views.len();
-        // SAFETY: the caller vouches for the views and their chains.
+        // SAFETY: the layer has as many valid views as it says, as `# Safety` demands.
         unsafe {
             let views = slice::from_raw_parts(layer.views, layer.view_count as usize);
             self.views.extend(views.iter().map(|view| ProjectionView::read(view)));
@@ -255,7 +255,7 @@ pub fn fov(fov: &xr::Fovf) -> Fov {
 ///
 /// The layer is valid, and of the type that it says.
 unsafe fn cast<T: Structure>(layer: &xr::CompositionLayerBaseHeader) -> Option<&T> {
-    // SAFETY: the caller vouches for it, and `Structure` for the type behind the number.
+    // SAFETY: the layer is valid and of its type, as `# Safety` demands; `Structure` says that a structure of this number is a T.
     (layer.ty.into_raw() == T::number()).then(|| unsafe { &*std::ptr::from_ref(layer).cast::<T>() })
 }
 

@@ -119,7 +119,7 @@ impl VulkanDevice {
     ///
     /// What the record points to is valid.
     pub unsafe fn notify_swapchain(&self, record: &SwapchainRecord) {
-        // SAFETY: the device is live, as above; the caller vouches for the record.
+        // SAFETY: the device is live, as above; the record is valid with its arrays, as `# Safety` demands.
         unsafe { (self.table.swapchain)(self.record.device, record) }
     }
 
@@ -129,7 +129,7 @@ impl VulkanDevice {
     ///
     /// The records are null or valid, with what they point to.
     pub unsafe fn begin_frame(&self, start: &FrameStart) {
-        // SAFETY: the device is live, as above; the caller vouches for the records.
+        // SAFETY: the device is live, as above; the records are null or valid, as `# Safety` demands.
         unsafe { (self.table.begin_frame)(self.record.device, start) }
     }
 
@@ -139,7 +139,7 @@ impl VulkanDevice {
     ///
     /// As [`PictureRecord`] says.
     pub unsafe fn notify_picture(&self, record: &PictureRecord) {
-        // SAFETY: the device is live, as above; the caller vouches for the record.
+        // SAFETY: the device is live, as above; the record is as [`PictureRecord`] demands.
         unsafe { (self.table.picture)(self.record.device, record) }
     }
 
@@ -158,7 +158,7 @@ impl VulkanDevice {
             times: [FrameTimeRecord::default(); MOST_FRAME_TIMES],
             stale: report.words.each_mut().map(stale_record),
         };
-        // SAFETY: the device is live, as above; the caller vouches for the submission, and there are as many words as the record says.
+        // SAFETY: the device is live, as above; the submission is valid, as `# Safety` demands, and there are as many words as the record says.
         let is_written =
             unsafe { (self.table.end_frame)(self.record.device, submission, &raw mut record) == 1 };
         report.frame = record.frame;
@@ -197,7 +197,7 @@ impl VulkanDevice {
     ///
     /// As [`RatesCopyRecord`] says.
     pub unsafe fn copy_rates(&self, record: &RatesCopyRecord) -> RatesCopy {
-        // SAFETY: the device is live, as above; the caller vouches for the record.
+        // SAFETY: the device is live, as above; the record is as [`RatesCopyRecord`] demands.
         match unsafe { (self.table.copy_rates)(self.record.device, record) } {
             RATES_COPIED => RatesCopy::Submitted,
             RATES_COPY_LEFT_OUT => RatesCopy::LeftOut,

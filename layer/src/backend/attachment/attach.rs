@@ -263,7 +263,7 @@ impl Rates {
     /// The device is live, and nothing of the application's is under way or recorded any more.
     pub unsafe fn end(&self) {
         drop(self.framebuffers.remove_where(|_, _| true));
-        // SAFETY: the caller vouches for it.
+        // SAFETY: the device is live and idle, as `# Safety` demands.
         unsafe { self.images.end() };
     }
 

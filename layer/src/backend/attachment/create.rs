@@ -181,7 +181,7 @@ impl<'c> Names<'c> {
     ///
     /// So many valid names, which live for `'c`.
     unsafe fn new(first: *const *const std::ffi::c_char, count: u32) -> Self {
-        // SAFETY: the caller vouches for it.
+        // SAFETY: so many names are there, as `# Safety` demands.
         Self(unsafe { slice(first, count) })
     }
 

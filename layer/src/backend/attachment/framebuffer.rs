@@ -48,7 +48,7 @@ pub unsafe fn with_view<'c>(
     view: vk::ImageView,
     copies: &mut Copies<'_>,
 ) -> vk::FramebufferCreateInfo<'c> {
-    // SAFETY: the caller vouches for the views.
+    // SAFETY: valid usage demands so many views.
     let views = unsafe { slice(info.p_attachments, info.attachment_count) };
     let (first, count) = appended(views, view, copies);
     vk::FramebufferCreateInfo { p_attachments: first, attachment_count: count, ..*info }

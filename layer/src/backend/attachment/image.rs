@@ -333,7 +333,7 @@ impl RateImages {
             self.maker.is_over.store(true, Ordering::Release);
             memory.take_all().collect()
         };
-        // SAFETY: the caller vouches that nothing is in use; whoever still names an image destroys it no more.
+        // SAFETY: nothing is in use, as `# Safety` demands; whoever still names an image destroys it no more.
         unsafe {
             for image in left {
                 device.destroy_image_view(image.view, None);

@@ -171,7 +171,7 @@ unsafe fn with_dynamic_rate<'c>(
 ///
 /// The structure is valid.
 unsafe fn sets_rates(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: the structure is valid, as `# Safety` demands.
     unsafe { dynamic_states(info) }.contains(&vk::DynamicState::FRAGMENT_SHADING_RATE_KHR)
 }
 
@@ -181,7 +181,7 @@ unsafe fn sets_rates(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
 ///
 /// The structure's chain is valid.
 unsafe fn has_own_rate(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe {
         let rate = find::<vk::PipelineFragmentShadingRateStateCreateInfoKHR<'_>>(info.p_next);
         rate.is_some_and(|rate| !is_default(rate.fragment_size, rate.combiner_ops))
@@ -255,7 +255,7 @@ unsafe fn is_too_fine(
 ///
 /// The structure is valid.
 unsafe fn is_conservative(state: &vk::PipelineRasterizationStateCreateInfo<'_>) -> bool {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: a valid structure has a valid chain.
     let chained =
         unsafe { find::<vk::PipelineRasterizationConservativeStateCreateInfoEXT<'_>>(state.p_next) };
     chained.is_some_and(|state| {

@@ -140,7 +140,7 @@ unsafe fn attach<'c>(
 ///
 /// The subpass is valid.
 unsafe fn has_own_rates(subpass: &vk::SubpassDescription2<'_>) -> bool {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: the subpass and its chain are valid, as `# Safety` demands.
     unsafe {
         find::<vk::FragmentShadingRateAttachmentInfoKHR<'_>>(subpass.p_next)
             .and_then(|rates| rates.p_fragment_shading_rate_attachment.as_ref())
@@ -154,7 +154,7 @@ unsafe fn has_own_rates(subpass: &vk::SubpassDescription2<'_>) -> bool {
 ///
 /// The subpass is valid.
 unsafe fn draws_colour(subpass: &vk::SubpassDescription2<'_>) -> bool {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: a valid subpass has so many references.
     let colours = unsafe { slice(subpass.p_color_attachments, subpass.color_attachment_count) };
     colours.iter().any(|colour| colour.attachment != vk::ATTACHMENT_UNUSED)
 }

@@ -18,7 +18,7 @@ type Rates<'a> = vk::RenderingFragmentShadingRateAttachmentInfoKHR<'a>;
 ///
 /// `info` is valid (valid usage of vkCmdBeginRendering).
 pub unsafe fn wants_rates(info: &vk::RenderingInfo<'_>) -> Result<(), LeftAlone> {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: valid usage demands a valid chain, and so many colours.
     unsafe {
         let own = find::<Rates<'_>>(info.p_next);
         let density = find::<vk::RenderingFragmentDensityMapAttachmentInfoEXT<'_>>(info.p_next);

@@ -74,7 +74,7 @@ impl Rates {
         stages: *const vk::ShaderStageFlags,
         shaders: *const vk::ShaderEXT,
     ) -> Option<SetRate> {
-        // SAFETY: the caller vouches for the arrays; without shaders all stages are unbound.
+        // SAFETY: valid usage demands so many stages, and as many shaders or null: then all stages are unbound.
         let (stages, shaders) = unsafe { (slice(stages, count), slice(shaders, count)) };
         let index = stages.iter().position(|&stage| stage == vk::ShaderStageFlags::FRAGMENT)?;
         let shader = shaders.get(index).copied().unwrap_or_default();

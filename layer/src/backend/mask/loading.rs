@@ -51,7 +51,7 @@ impl Masks {
         next: vk::PFN_vkCreateRenderPass,
     ) {
         let Some((index, layout)) = cleared_depth(pass.1) else { return };
-        // SAFETY: the caller vouches for the structure: it has so many attachments, of which the copy lives until the call
+        // SAFETY: the render pass was created of the structure, which has so many attachments; the copy lives until the call
         // is over.
         unsafe {
             let mut attachments: SmallVec<[vk::AttachmentDescription; 8]> =

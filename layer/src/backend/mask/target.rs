@@ -330,7 +330,7 @@ impl RateMap for TargetMask {
         // Of a map that was made only now nothing is staged.
         let map = self.made().filter(|map| map.staging_len() == upload.len);
         if let (Some(map), Some(gpu)) = (map, self.masks.gpu()) {
-            // SAFETY: the caller vouches for the command buffer; what is recorded into it names what `self` keeps, and the
+            // SAFETY: the command buffer is recording, as [`RateMap`] demands; what is recorded into it names what `self` keeps, and the
             // caller keeps that until it has finished.
             let commands = unsafe { AppCommands::new(gpu, upload.commands) };
             map.upload(&commands, upload.staging, upload.offset);

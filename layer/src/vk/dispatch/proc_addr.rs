@@ -122,6 +122,6 @@ pub unsafe extern "system" fn physical_device(
 ///
 /// `name` is null or a null-terminated string.
 unsafe fn text(name: &*const c_char) -> Option<&CStr> {
-    // SAFETY: the caller vouches for the string, which lives as long as the call.
+    // SAFETY: the string is valid, as `# Safety` demands, and lives as long as the call.
     (!name.is_null()).then(|| unsafe { CStr::from_ptr(*name) })
 }

@@ -89,7 +89,7 @@ pub unsafe extern "system" fn enumerate_device_extensions(
 ///
 /// `layer` is null or a null-terminated string; `count` is null or valid.
 unsafe fn no_extensions(layer: *const c_char, count: *mut u32) -> Option<vk::Result> {
-    // SAFETY: the caller vouches for both.
+    // SAFETY: each pointer is null or valid, as `# Safety` demands.
     unsafe {
         if layer.is_null() || CStr::from_ptr(layer) != LAYER_NAME {
             return None;

@@ -63,7 +63,7 @@ unsafe fn create_tracked(
     wanted: bool,
 ) -> (vk::Result, Option<&'static str>) {
     const FAILED: (vk::Result, Option<&str>) = (vk::Result::ERROR_INITIALIZATION_FAILED, None);
-    // SAFETY: the caller vouches for the handle, `info` and the chain.
+    // SAFETY: handle and `info` are valid, by the valid usage of vkCreateDevice; the chain is as the loader made it.
     let found = unsafe { instance::of(physical_device).zip(chain::advance_device(info)) };
     let Some((instance, mut next)) = found else { return FAILED };
     let name = c"vkCreateDevice".as_ptr();

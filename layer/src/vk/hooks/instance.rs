@@ -56,7 +56,7 @@ unsafe fn create_tracked(
     enabled: bool,
 ) -> vk::Result {
     const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
-    // SAFETY: the caller vouches for the arguments and the chain.
+    // SAFETY: `info` is valid, by the valid usage of vkCreateInstance; the chain is as the loader made it.
     let Some(next) = (unsafe { chain::advance_instance(info) }) else { return FAILED };
     let name = c"vkCreateInstance".as_ptr();
     // SAFETY: the loader gave the pointer; a null instance is right for this name, which gives the type.

@@ -48,7 +48,7 @@ impl Perception {
         let mut kept = Kept::new();
         kept.push(tiles as Arc<dyn Any + Send + Sync>);
         let copy = |commands: vk::CommandBuffer| {
-            // SAFETY: the command buffer is a new one for that queue; the rates are kept, and the caller vouches for the buffer.
+            // SAFETY: the command buffer is a new one for that queue; the rates are kept, and the buffer is live and large enough, as `# Safety` demands.
             let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
             commands.memory_barrier(LOOKED_AT, COPIES);
             commands.memory_barrier(DECIDES, COPIES);

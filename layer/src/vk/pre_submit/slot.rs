@@ -87,7 +87,7 @@ impl Slot {
             .command_pool(self.pool)
             .level(vk::CommandBufferLevel::PRIMARY)
             .command_buffer_count(1);
-        // SAFETY: the caller vouches for the device, of which the pool is.
+        // SAFETY: the device is live, as `# Safety` demands, and the pool one of its own.
         unsafe {
             let made = device
                 .allocate_command_buffers(&info)

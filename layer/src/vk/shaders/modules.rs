@@ -42,7 +42,7 @@ impl ShaderModules {
     ///
     /// The stage and its chain are valid.
     pub unsafe fn effects(&self, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> Effects {
-        // SAFETY: the caller vouches for the name and the chain.
+        // SAFETY: a valid stage has a name; its chain is valid, as `# Safety` demands.
         unsafe {
             let Ok(name) = CStr::from_ptr(stage.p_name).to_str() else { return Effects::UNKNOWN };
             if let Some(shaders) = self.0.get(stage.module) {
@@ -70,7 +70,7 @@ type ByIdentifier<'a> = vk::PipelineShaderStageModuleIdentifierCreateInfoEXT<'a>
 ///
 /// The structure is valid.
 pub unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShaders> {
-    // SAFETY: the caller vouches for the code, of `code_size` bytes.
+    // SAFETY: a valid structure has `code_size` bytes of code.
     FragmentShaders::read(&unsafe { words(info.p_code.cast(), info.code_size) })
 }
 
@@ -83,7 +83,7 @@ pub unsafe fn effects_of_object(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
     if info.code_type != vk::ShaderCodeTypeEXT::SPIRV {
         return Effects::UNKNOWN;
     }
-    // SAFETY: the caller vouches for the code, which is SPIR-V of `code_size` bytes, and the name.
+    // SAFETY: a valid structure has `code_size` bytes of code, here of SPIR-V, and a name.
     unsafe {
         let words = words(info.p_code, info.code_size);
         let name = CStr::from_ptr(info.p_name).to_str();

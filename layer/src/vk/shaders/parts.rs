@@ -10,7 +10,7 @@ pub use ash::vk::GraphicsPipelineLibraryFlagsEXT as Parts;
 ///
 /// The structure's chain is valid.
 pub unsafe fn libraries<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::Pipeline] {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: the chain is valid, as `# Safety` demands, with so many libraries.
     unsafe {
         find::<vk::PipelineLibraryCreateInfoKHR<'_>>(info.p_next)
             .map_or(&[], |libraries| slice(libraries.p_libraries, libraries.library_count))
@@ -23,7 +23,7 @@ pub unsafe fn libraries<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [v
 ///
 /// The structure's chain is valid.
 pub unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe {
         if let Some(library) = find::<vk::GraphicsPipelineLibraryCreateInfoEXT<'_>>(info.p_next) {
             library.flags
@@ -44,7 +44,7 @@ pub unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
 ///
 /// The structure is valid.
 pub unsafe fn dynamic_states<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::DynamicState] {
-    // SAFETY: the caller vouches for it.
+    // SAFETY: dynamic state of a valid structure is null or valid, with so many states.
     unsafe {
         info.p_dynamic_state
             .as_ref()
@@ -58,7 +58,7 @@ pub unsafe fn dynamic_states<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &
 ///
 /// The structure is valid.
 pub unsafe fn is_discarded(info: &vk::GraphicsPipelineCreateInfo<'_>, own: Parts) -> bool {
-    // SAFETY: the caller vouches for it: the rasterisation state is of the pre-rasterisation part.
+    // SAFETY: the structure is valid, as `# Safety` demands, and the rasterisation state is of the pre-rasterisation part.
     unsafe {
         own.contains(Parts::PRE_RASTERIZATION_SHADERS)
             && !dynamic_states(info).contains(&vk::DynamicState::RASTERIZER_DISCARD_ENABLE)

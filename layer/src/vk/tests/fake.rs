@@ -94,7 +94,7 @@ fn link_at(mut at: *const c_void, loader: vk::StructureType) -> *const c_void {
 ///
 /// A chain of the tests, and a handle to write to.
 unsafe fn spoil<H: Handle>(handle: *mut H, mut at: *const c_void, loader: vk::StructureType) {
-    // SAFETY: the caller vouches for both; both loader structures have their link at the same place.
+    // SAFETY: chain and handle are valid, as `# Safety` demands; both loader structures have their link at the same place.
     unsafe {
         *handle = H::from_raw(0xbad);
         while !at.is_null() {

@@ -134,7 +134,7 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
             let rect = rect_within(&shown.sub_image, &Images { extent, array_layers, is_unit_range: true })?;
             Some(EyePicture { eye, shown, runtime, runtime_index, rect })
         });
-        // SAFETY: the caller vouches for queue and image.
+        // SAFETY: this thread may use the queue, and work that draws to the image is submitted, as `# Safety` demands.
         unsafe { draw_over(active, &config, pictures.collect()) };
     });
 }

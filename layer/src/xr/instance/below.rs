@@ -20,7 +20,7 @@ impl Below {
     ///
     /// `info` is null or the loader's valid list.
     pub unsafe fn read(info: *const xr::ApiLayerCreateInfo) -> Option<Self> {
-        // SAFETY: the caller vouches for the list.
+        // SAFETY: the list is null or valid, as `# Safety` demands.
         unsafe {
             let info = info.as_ref().filter(|info| info.struct_type == xr::ApiLayerCreateInfo::TYPE)?;
             let next =

@@ -72,7 +72,7 @@ fn is_named(extension: &xr::ExtensionProperties, name: &CStr) -> bool {
 pub unsafe fn offered(get: pfn::GetInstanceProcAddr) -> Option<Vec<xr::ExtensionProperties>> {
     let mut function = None;
     let name = c"xrEnumerateInstanceExtensionProperties";
-    // SAFETY: the caller vouches for the function; a name and a place for the result.
+    // SAFETY: the function takes questions without an instance, as `# Safety` demands; a name and a place for the result.
     let result = unsafe { get(xr::Instance::default(), name.as_ptr(), &mut function) };
     let function = function.filter(|_| result == xr::Result::SUCCESS)?;
     // SAFETY: the function of that name has that type.

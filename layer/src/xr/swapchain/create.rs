@@ -124,7 +124,7 @@ unsafe fn plan(
 ) -> Result<SwapchainShape, NotSubstituted> {
     let tools = if session.may_have_work(config) { active.tools() } else { None };
     let mut compose = tools.ok_or(NotSubstituted::NoWork)?.compose();
-    // SAFETY: the caller vouches for `info`.
+    // SAFETY: `info` and its chain are valid, as `# Safety` demands.
     let shape = unsafe { shape(info, |format| compose.supports(format)) }?;
     let prepared = match session.may_reuse(config) {
         true => compose.prepare_reuse(shape.format),

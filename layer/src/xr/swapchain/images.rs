@@ -97,7 +97,7 @@ unsafe fn runtimes(
         return SmallVec::new();
     }
     let images = images.cast::<xr::SwapchainImageVulkanKHR>();
-    // SAFETY: the caller vouches for an array of `capacity` structures, of which `count` were written; in a Vulkan
+    // SAFETY: the call succeeded: there is an array of `capacity` structures, of which `count` were written; in a Vulkan
     // session each is an XrSwapchainImageVulkanKHR, which its type confirms.
     unsafe {
         let written = (0..(*count).min(capacity) as usize).map(|at| &*images.add(at));

@@ -15,7 +15,7 @@ pub struct Arena(Vec<Box<[MaybeUninit<u64>]>>);
 ///
 /// `first` is null or starts a valid chain, which lives for `'c`.
 pub unsafe fn chain<'c>(first: *const c_void) -> impl Iterator<Item = &'c vk::BaseInStructure<'c>> {
-    // SAFETY: the caller vouches for the chain, each structure of which begins so.
+    // SAFETY: the chain is valid, as `# Safety` demands; each of its structures begins so.
     std::iter::successors(unsafe { first.cast::<vk::BaseInStructure<'c>>().as_ref() }, |at| unsafe {
         at.p_next.as_ref()
     })
@@ -105,7 +105,7 @@ impl Arena {
     /// The structure and its chain are valid.
     pub unsafe fn plain<T: Plain>(&mut self, state: Option<&T>) -> Option<*const T> {
         let Some(state) = state else { return Some(ptr::null()) };
-        // SAFETY: the caller vouches for the chain, behind whose pointer a plain structure has no other.
+        // SAFETY: the chain is valid, as `# Safety` demands; a plain structure has no pointer but that to it.
         unsafe {
             let p_next = (*ptr::from_ref(state).cast::<vk::BaseInStructure<'_>>()).p_next;
             let p_next = self.chain(p_next.cast())?;
@@ -125,7 +125,7 @@ impl Arena {
         state: Option<&vk::PipelineVertexInputStateCreateInfo<'_>>,
     ) -> Option<*const vk::PipelineVertexInputStateCreateInfo<'static>> {
         let Some(state) = state else { return Some(ptr::null()) };
-        // SAFETY: the caller vouches for them.
+        // SAFETY: arrays and chain are valid, as `# Safety` demands.
         unsafe {
             let copy = vk::PipelineVertexInputStateCreateInfo {
                 p_next: self.chain(state.p_next)?,
@@ -182,7 +182,7 @@ impl Arena {
         state: Option<&vk::PipelineMultisampleStateCreateInfo<'_>>,
     ) -> Option<*const vk::PipelineMultisampleStateCreateInfo<'static>> {
         let Some(state) = state else { return Some(ptr::null()) };
-        // SAFETY: the caller vouches for them; a mask has a bit for each sample, in words of 32.
+        // SAFETY: arrays and chain are valid, as `# Safety` demands; a mask has a bit for each sample, in words of 32.
         unsafe {
             let words = state.rasterization_samples.as_raw().div_ceil(32);
             let copy = vk::PipelineMultisampleStateCreateInfo {
@@ -210,7 +210,7 @@ impl Arena {
         state: Option<&vk::PipelineColorBlendStateCreateInfo<'_>>,
     ) -> Option<*const vk::PipelineColorBlendStateCreateInfo<'static>> {
         let Some(state) = state else { return Some(ptr::null()) };
-        // SAFETY: the caller vouches for them.
+        // SAFETY: arrays and chain are valid, as `# Safety` demands.
         unsafe {
             let copy = vk::PipelineColorBlendStateCreateInfo {
                 p_next: self.chain(state.p_next)?,
@@ -236,7 +236,7 @@ impl Arena {
         state: Option<&vk::PipelineDynamicStateCreateInfo<'_>>,
     ) -> Option<*const vk::PipelineDynamicStateCreateInfo<'static>> {
         let Some(state) = state else { return Some(ptr::null()) };
-        // SAFETY: the caller vouches for them.
+        // SAFETY: arrays and chain are valid, as `# Safety` demands.
         unsafe {
             let copy = vk::PipelineDynamicStateCreateInfo {
                 p_next: self.chain(state.p_next)?,
@@ -253,7 +253,7 @@ impl Arena {
     ///
     /// As for [`super::slice`].
     unsafe fn array<T: Copy>(&mut self, first: *const T, count: u32) -> *const T {
-        // SAFETY: the caller vouches for it.
+        // SAFETY: so many elements are there, as `# Safety` demands.
         self.many(unsafe { super::slice(first, count) })
     }
 }

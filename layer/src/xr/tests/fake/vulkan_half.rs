@@ -291,6 +291,6 @@ unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {
     if count == 0 {
         return &[];
     }
-    // SAFETY: the caller vouches for it.
+    // SAFETY: so many values are there, as `# Safety` demands.
     unsafe { std::slice::from_raw_parts(first, count as usize) }
 }
