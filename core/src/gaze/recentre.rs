@@ -93,10 +93,9 @@ impl Recentring {
         }
         let look = look.filter(|(angles, _)| angles.iter().all(|angle| angle.is_finite()));
         let (left_up_deg, time_ns) = look.map_or((None, now_ns), |(angles, at)| (Some(angles), at));
-        let is_repeated = self
-            .samples
-            .last()
-            .is_some_and(|last| last.time_ns == time_ns && last.left_up_deg.is_some() == left_up_deg.is_some());
+        let is_repeated = self.samples.last().is_some_and(|last| {
+            last.time_ns == time_ns && last.left_up_deg.is_some() == left_up_deg.is_some()
+        });
         if !is_repeated {
             self.samples.push(Sample { time_ns, left_up_deg });
         }
