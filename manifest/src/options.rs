@@ -210,7 +210,7 @@ choice! {
         Age = "age",
         /// a dot at the gaze, visible to every viewer of the image
         Gaze = "gaze",
-        /// a dot straight ahead of the head, as in parafovea gaze recentre
+        /// a dot in front of the head, as in parafovea gaze recentre
         Ahead = "ahead",
     }
 }

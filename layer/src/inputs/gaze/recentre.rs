@@ -139,7 +139,7 @@ impl RecentreDesk {
         if fault != self.fault {
             if !fault.is_empty() {
                 tracing::warn!(
-                    "correction of the eye tracker ignored: {fault}; to measure it anew: parafovea gaze recentre"
+                    "correction of the eye tracker ignored: {fault}; to replace it: parafovea gaze recentre"
                 );
             }
             self.fault = fault;

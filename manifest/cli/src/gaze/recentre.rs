@@ -11,7 +11,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Measure the eye tracker's offset, and correct it from then on
 ///
-/// A red dot appears straight ahead in the headset of a running application. Look at it without moving your head until it disappears,
+/// A red dot appears in front of the head, in the headset of a running application. Look at it without moving your head until it disappears,
 /// about five seconds. The offset between gaze and dot is stored for this headset and eye tracker, and corrects the gaze in all
 /// applications, in addition to gaze.offset_deg. If the command is interrupted, parafovea status --view settings removes the dot.
 #[derive(Clone, Debug, clap::Args)]
@@ -30,7 +30,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// How often the status is looked at meanwhile.
 const EVERY: Duration = Duration::from_millis(100);
 
-/// Measures and stores the offset, or removes what was stored.
+/// Measures and stores the offset, or removes the stored corrections.
 pub fn recentre(options: &Options) -> ExitCode {
     if options.reset {
         return told(reset(&Environment::of_process(false)));

@@ -106,6 +106,13 @@ fn a_failed_measurement_keeps_the_correction_and_says_why() {
 }
 
 #[test]
+fn every_measured_offset_can_be_read_again() {
+    let mut session = Session::new();
+    let done = session.measure(1, Holder::Eyes, Some([-9.99, 0.0]));
+    assert_eq!(done.correction.unwrap().offset_deg, [9.99, 0.0]);
+}
+
+#[test]
 fn a_damaged_file_is_no_correction() {
     let mut session = Session::new();
     session.measure(1, Holder::Eyes, Some([3.0, 0.0]));
