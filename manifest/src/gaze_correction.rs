@@ -167,7 +167,7 @@ mod tests {
             (&good.replace("[1,2]", "[9,9]"), "offset_deg = [9, 9]: expected at most 10 degrees in all"),
             (&good.replace("[1,2]", "[1e39,0]"), "offset_deg = [inf, 0]"),
             (&good.replace("[1,2]", "[1]"), "invalid length 1"),
-            (&"[".repeat(10_000), "recursion limit"),
+            (&"[".repeat(10_000), "invalid type: sequence"),
         ] {
             fs::write(&path, text).unwrap();
             let refused = GazeCorrection::read(&path).unwrap_err();
