@@ -1,12 +1,14 @@
 //! State of the gaze: tracked, held, lost; fixating, following or in a saccade.
 
 mod inflation;
+mod recentre;
 mod rejection;
 mod settings;
 mod tracker;
 mod vergence;
 
 pub use inflation::{MAX_FOVEAL_RADIUS_DEG, foveal_inflation_deg};
+pub use recentre::{GazeOffset, MAX_OFFSET_DEG, RecentreFailure, Recentring};
 pub use rejection::Rejection;
 pub use settings::GazeSettings;
 pub use tracker::GazeTracker;

@@ -1,7 +1,7 @@
 //! Status of this process while a session is there, for `parafovea status` (`parafovea_manifest::status`).
 //!
 //! A thread of ours writes the file. The application's thread hands it plain numbers, when it is asked to: that allocates nothing
-//! and waits for nobody. Of gaze and sound it is only told where they come from and whether they are there.
+//! and waits for nobody. The thread also takes requests for a measurement of the eye tracker's offset. Of gaze and sound it is only told where they come from and whether they are there.
 
 mod applied_rates;
 mod decisions;
@@ -19,6 +19,7 @@ pub use signal::SignalQuality;
 pub use snapshot::{GateStatus, StatusSnapshot};
 pub use unseen::{Known, why_unseen};
 
+use crate::inputs::gaze::recentre::RecentreDesk;
 use applied_rates::AppliedRates;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Settings, Status, StatusFile};
@@ -44,7 +45,12 @@ struct Shared {
 impl StatusReporter {
     /// Begins to tell of a session; `known` has the parts that do not change. `None` where there is no place for it, which is logged unless
     /// nobody chose one.
-    pub fn begin(environment: &Environment, known: Status, settings: Arc<Settings>) -> Option<Self> {
+    pub fn begin(
+        environment: &Environment,
+        known: Status,
+        settings: Arc<Settings>,
+        mut recentre: Option<RecentreDesk>,
+    ) -> Option<Self> {
         let file = StatusFile::new(environment, known.pid)
             .inspect_err(|error| tracing::warn!("parafovea status will not show this session: {error}"))
             .ok()??;
@@ -57,7 +63,13 @@ impl StatusReporter {
         let theirs = shared.clone();
         let tell = move || {
             let (mut status, mut applied) = (known, AppliedRates::default());
-            while theirs.write(&mut status) {
+            loop {
+                if let Some(recentre) = &mut recentre {
+                    status.recentre = recentre.poll();
+                }
+                if !theirs.write(&mut status) {
+                    break;
+                }
                 if let Some(line) = applied.line(&status) {
                     tracing::info!("{line}");
                 }
@@ -129,7 +141,7 @@ mod tests {
         let environment =
             Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| runtime.path().into()));
         let known = Status { pid: 7, application: "game".to_owned(), ..Status::default() };
-        let reporter = StatusReporter::begin(&environment, known, Arc::default()).unwrap();
+        let reporter = StatusReporter::begin(&environment, known, Arc::default(), None).unwrap();
         assert!(reporter.is_asked());
         let settings = Settings { file: "/a.toml".to_owned(), has_error: false };
         reporter
@@ -148,6 +160,8 @@ mod tests {
 
     #[test]
     fn without_a_place_nothing_is_status() {
-        assert!(StatusReporter::begin(&Environment::default(), Status::default(), Arc::default()).is_none());
+        assert!(
+            StatusReporter::begin(&Environment::default(), Status::default(), Arc::default(), None).is_none()
+        );
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod config;
 pub mod doctor;
+pub mod gaze_correction;
 pub mod install;
 pub mod json;
 pub mod options;

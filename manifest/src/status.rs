@@ -2,15 +2,18 @@
 //! `parafovea status` reads.
 //!
 //! The file is the user's alone (mode 0600, in a folder of mode 0700 below `$XDG_RUNTIME_DIR`). It has no direction of the gaze and
-//! no level of the sound: of both only where they come from, and whether and since when they are there.
+//! no level of the sound: of both only where they come from, and whether and since when they are there; and the stored offset of the eye tracker.
 
 mod effect;
 mod folder;
 mod gaze;
+mod recentre;
+mod request;
 mod view;
 
 pub use effect::effect;
 pub use folder::{Found, Gone, StatusFile, read_all};
+pub use recentre::{AskedRecentre, Recentre, ask_recentre};
 pub use view::{AskedView, ask_view};
 
 use serde::{Deserialize, Serialize};
@@ -49,6 +52,8 @@ pub struct Status {
     pub decisions: Vec<Decision>,
     /// The gaze.
     pub gaze: Gaze,
+    /// The correction of the eye tracker.
+    pub recentre: Recentre,
     /// The sound.
     pub sound: Sound,
     /// Shading rates.

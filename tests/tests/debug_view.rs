@@ -69,6 +69,20 @@ fn the_dot_is_where_the_eyes_look_and_nowhere_else() {
 }
 
 #[test]
+fn a_dot_straight_ahead_is_there_wherever_the_eyes_look() {
+    let off = run(&scene(), NONE);
+    let on = run(&scene(), &with_view(NONE, "ahead"));
+    assert_valid(&on, &off);
+    let views = EyeView::of_scenario(&scenario().gazing(0.0, 0.0));
+    for ((view, off), on) in views.iter().zip(pictures(&off)).zip(pictures(&on)) {
+        let outside = |x, y| view.eccentricity_deg(&off, x, y) > 1.3 + 0.05;
+        assert_eq!(max_difference(&off, &on, outside), 0);
+        let red = on.enumerate().filter(|(x, y, pixel)| !outside(*x, *y) && pixel[0] > 200).count();
+        assert!(red > 5, "{red} pixels of a dot");
+    }
+}
+
+#[test]
 fn angles_are_drawn_over_all_of_the_scene_and_leave_it_visible() {
     let off = run(&scene(), NONE);
     let on = run(&scene(), &with_view(NONE, "eccentricity"));

@@ -30,6 +30,7 @@ mod pictures;
 mod pipelines;
 mod rates;
 mod readme;
+mod recentre;
 mod reuse;
 mod schedule;
 mod security;

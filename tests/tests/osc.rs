@@ -16,13 +16,13 @@ use std::time::{Duration, Instant, SystemTime};
 const LOOK: [f32; 2] = [-18.0, 9.0];
 
 /// Frames until filter and safety limits have settled, and more.
-const FRAMES: u64 = 150;
+pub const FRAMES: u64 = 150;
 
 /// Long enough on a machine that does much else.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A port that nobody has at this moment.
-fn free_address() -> SocketAddr {
+pub fn free_address() -> SocketAddr {
     UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
 }
 
@@ -115,7 +115,7 @@ impl Drop for Sender {
     }
 }
 
-fn config(source: &str, address: SocketAddr) -> String {
+pub fn config(source: &str, address: SocketAddr) -> String {
     format!("[gaze]\nsource = \"{source}\"\nosc_listen = \"{address}\"\n[rates]\ngate = \"on\"\n")
 }
 
@@ -127,7 +127,7 @@ fn scene(config: &str) -> Outcome {
 }
 
 /// The last map.
-fn last_map(outcome: &Outcome) -> String {
+pub fn last_map(outcome: &Outcome) -> String {
     let lines = outcome.shading_rates().unwrap();
     let mut maps = lines.into_iter().map(|line| match line {
         ShadingRateLine::Pass(pass) => pass.map.unwrap().texels.unwrap(),
@@ -168,12 +168,12 @@ fn a_correction_moves_the_gaze_of_packets() {
     assert_ne!(rates_of("", [left - 4.0, up + 2.5]), expected);
 }
 
-fn start(config: &str, scenario: &Scenario) -> Running {
+pub fn start(config: &str, scenario: &Scenario) -> Running {
     let application = Application::hello_xr("Vulkan2").unwrap();
     Run::new(&application, scenario).on(config).start().unwrap()
 }
 
-fn long() -> Scenario {
+pub fn long() -> Scenario {
     Scenario::new(1_000_000).sized(128, 128)
 }
 
@@ -185,7 +185,7 @@ fn without_tracker() -> Scenario {
 }
 
 /// The status, once that is so; panics where it never is.
-fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Status {
+pub fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Status {
     let begin = Instant::now();
     let environment =
         Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| running.runtime_folder().into()));

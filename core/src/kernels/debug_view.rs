@@ -19,11 +19,13 @@ pub enum DebugView {
     Age,
     /// A dot at the gaze.
     Gaze,
+    /// A dot straight ahead of the head, at infinity.
+    Ahead,
 }
 
 impl DebugView {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Rates, Self::Eccentricity, Self::Age, Self::Gaze];
+    pub const ALL: [Self; 5] = [Self::Rates, Self::Eccentricity, Self::Age, Self::Gaze, Self::Ahead];
 
     /// Its number in [`DebugViewParams::view`].
     pub const fn number(self) -> u32 {
@@ -32,6 +34,7 @@ impl DebugView {
             Self::Eccentricity => 1,
             Self::Age => 2,
             Self::Gaze => 3,
+            Self::Ahead => 4,
         }
     }
 
@@ -57,7 +60,7 @@ uniform! {
         pub plane_origin: [f32; 2],
         /// [`ImagePlane::step`] of the picture.
         pub plane_step: [f32; 2],
-        /// Where the eye looks, unit vector in the view's space; all 0 where that is not known.
+        /// Where the eye looks, or straight ahead for [`DebugView::Ahead`], unit vector in the view's space; all 0 where that is not known.
         pub gaze: [f32; 3],
         /// [`DebugView::number`].
         pub view: u32,
@@ -162,7 +165,7 @@ impl DebugViewParams {
             DebugView::Rates => of_rate(self.tile(x, y, map)?),
             DebugView::Age => of_age(self.tile(x, y, map)?),
             DebugView::Eccentricity => Some(of_angle(self.degrees(x, y)?)),
-            DebugView::Gaze => of_dot(self.degrees(x, y)?),
+            DebugView::Gaze | DebugView::Ahead => of_dot(self.degrees(x, y)?),
         }
     }
 

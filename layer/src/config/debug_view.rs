@@ -13,6 +13,7 @@ pub fn debug_view(config: &Config) -> Option<DebugView> {
         Chosen::Eccentricity => Some(DebugView::Eccentricity),
         Chosen::Age => Some(DebugView::Age),
         Chosen::Gaze => Some(DebugView::Gaze),
+        Chosen::Ahead => Some(DebugView::Ahead),
     }
 }
 

@@ -4,6 +4,7 @@
 pub mod auto;
 mod look;
 pub mod osc;
+pub mod recentre;
 pub mod recording;
 pub mod script;
 
@@ -37,6 +38,17 @@ pub fn degrees(direction: Vec3) -> [f32; 2] {
     [(-direction.x).atan2(-direction.z), direction.y.atan2(across)].map(f32::to_degrees)
 }
 
+/// A gaze farther to the left and upwards by so many degrees.
+pub fn turned(look: Look, [left, up]: [f32; 2]) -> Look {
+    match look {
+        Look::At { direction: seen, sampled_ns } if [left, up] != [0.0; 2] => {
+            let [seen_left, seen_up] = degrees(seen);
+            Look::At { direction: direction([seen_left + left, seen_up + up]), sampled_ns }
+        }
+        other => other,
+    }
+}
+
 /// `direction` as seen from a view.
 pub fn in_view(direction: Vec3, view: Quat) -> Vec3 {
     view.inverse() * direction
@@ -45,6 +57,21 @@ pub fn in_view(direction: Vec3, view: Quat) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_correction_turns_a_gaze_that_is_there_and_nothing_else() {
+        let at = |left_up| Look::At { direction: direction(left_up), sampled_ns: 7 };
+        let Look::At { direction: found, sampled_ns: 7 } = turned(at([10.0, -5.0]), [1.5, -0.5]) else {
+            panic!("no gaze");
+        };
+        assert!(found.abs_diff_eq(direction([11.5, -5.5]), 1e-6), "{found}");
+        for look in [Look::NoTracker, Look::Unseen] {
+            assert_eq!(turned(look, [1.5, -0.5]), look);
+        }
+        // Without one, a tracker's answer is judged as it is.
+        let zero = Look::At { direction: Vec3::ZERO, sampled_ns: 7 };
+        assert_eq!(turned(zero, [0.0; 2]), zero);
+    }
 
     #[test]
     fn what_is_no_rotation_is_refused() {

@@ -222,7 +222,7 @@ impl DebugViewPass {
             DebugView::Rates => c"rates",
             DebugView::Eccentricity => c"eccentricity",
             DebugView::Age => c"age",
-            DebugView::Gaze => c"gaze",
+            DebugView::Gaze | DebugView::Ahead => c"gaze",
         };
         let shader = TileShader {
             vertex: c"corner",

@@ -9,7 +9,7 @@ use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
 /// An overlay over an eye's picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DebugOverlay {
-    /// Where the eyes are taken to look, in the view's space, of any length; all 0 where that is not known.
+    /// Where the eyes are taken to look, or where the head points, in the view's space, of any length; all 0 where that is not known.
     pub gaze: Vec3,
     /// How the map is divided.
     pub shape: MapShape,
@@ -33,7 +33,7 @@ impl Planning {
         let shown = match view {
             DebugView::Rates => rates.then_some(&plan.rates),
             DebugView::Age => reuse.then_some(&plan.ages),
-            DebugView::Eccentricity | DebugView::Gaze => None,
+            DebugView::Eccentricity | DebugView::Gaze | DebugView::Ahead => None,
         };
         let shape = shown.map_or(MapShape::default(), |tiles| MapShape {
             extent: plan.extent,
@@ -48,6 +48,7 @@ impl Planning {
         let gaze = match view {
             // Angles are from straight ahead where the gaze is not known, as the rings are.
             DebugView::Eccentricity => left + right,
+            DebugView::Ahead => self.views.orientation(eye).inverse() * Vec3::NEG_Z,
             _ if plan.gaze == Vec3::ZERO => Vec3::ZERO,
             _ => left + right,
         };

@@ -7,9 +7,10 @@ use super::session::Session;
 use crate::config::{Config, FilePath, GazeSource};
 use crate::inputs::gaze::auto::{Auto, Holder};
 use crate::inputs::gaze::osc::{Listener, OscSource};
+use crate::inputs::gaze::recentre::GazeCorrecting;
 use crate::inputs::gaze::recording::Recording;
 use crate::inputs::gaze::script::GazeScript;
-use crate::inputs::gaze::{Look, degrees, direction};
+use crate::inputs::gaze::{Look, turned};
 use crate::status::StatusSnapshot;
 use openxr_sys as xr;
 use parafovea_core::gaze::GazeSettings;
@@ -25,7 +26,10 @@ const MOST_BYTES: u64 = 1 << 28;
 
 /// The gaze of a session, beside its actions.
 #[derive(Debug, Default)]
-pub struct SessionGaze(Mutex<State>);
+pub struct SessionGaze {
+    state: Mutex<State>,
+    correction: Arc<GazeCorrecting>,
+}
 
 #[derive(Debug, Default)]
 struct State {
@@ -43,7 +47,12 @@ struct State {
 
 impl SessionGaze {
     fn state(&self) -> MutexGuard<'_, State> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Begins without a gaze; that of eye trackers gets the correction.
+    pub fn new(correction: Arc<GazeCorrecting>) -> Self {
+        Self { state: Mutex::default(), correction }
     }
 
     /// Opens the files and the port that the configuration names, where these are others than before. Waits for the disk.
@@ -149,7 +158,10 @@ impl SessionGaze {
             GazeSource::File => (Holder::File, self.scripted(time_ns)),
         };
         let look = match holder {
-            Holder::Eyes | Holder::Osc => corrected(look, config.gaze.offset_deg.left_up_deg()),
+            Holder::Eyes | Holder::Osc => {
+                let look = turned(look, config.gaze.offset_deg.left_up_deg());
+                self.correction.corrected(holder, look, time_ns)
+            }
             Holder::Centre | Holder::File => look,
         };
         let mut state = self.state();
@@ -189,17 +201,6 @@ fn latency_ns() -> i64 {
     (f64::from(GazeSettings::default().latency_ms) * 1e6) as i64
 }
 
-/// A gaze farther to the left and upwards by so many degrees.
-fn corrected(look: Look, [left, up]: [f32; 2]) -> Look {
-    match look {
-        Look::At { direction: seen, sampled_ns } if [left, up] != [0.0; 2] => {
-            let [seen_left, seen_up] = degrees(seen);
-            Look::At { direction: direction([seen_left + left, seen_up + up]), sampled_ns }
-        }
-        other => other,
-    }
-}
-
 fn seconds_since(begin_ns: i64, time_ns: i64) -> f64 {
     time_ns.saturating_sub(begin_ns) as f64 * 1e-9
 }
@@ -229,25 +230,4 @@ fn record_to(path: &Path) -> Option<Recording> {
         .inspect(|_| tracing::info!("recording the gaze to the file in gaze.record"))
         .inspect_err(|error| tracing::error!("no recording of the gaze: gaze.record = {path:?}: {error}"))
         .ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec3;
-
-    #[test]
-    fn a_correction_turns_a_gaze_that_is_there_and_nothing_else() {
-        let at = |left_up| Look::At { direction: direction(left_up), sampled_ns: 7 };
-        let Look::At { direction: turned, sampled_ns: 7 } = corrected(at([10.0, -5.0]), [1.5, -0.5]) else {
-            panic!("no gaze");
-        };
-        assert!(turned.abs_diff_eq(direction([11.5, -5.5]), 1e-6), "{turned}");
-        for look in [Look::NoTracker, Look::Unseen] {
-            assert_eq!(corrected(look, [1.5, -0.5]), look);
-        }
-        // Without one, a tracker's answer is judged as it is.
-        let zero = Look::At { direction: Vec3::ZERO, sampled_ns: 7 };
-        assert_eq!(corrected(zero, [0.0; 2]), zero);
-    }
 }

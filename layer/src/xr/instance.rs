@@ -238,7 +238,7 @@ pub unsafe extern "system" fn destroy(handle: xr::Instance) -> xr::Result {
 }
 
 /// A fixed-size string of OpenXR, up to its end.
-fn text(characters: &[c_char]) -> String {
+pub(super) fn text(characters: &[c_char]) -> String {
     let bytes: Vec<u8> =
         characters.iter().map(|&character| character as u8).take_while(|&byte| byte != 0).collect();
     String::from_utf8_lossy(&bytes).into_owned()

@@ -14,6 +14,7 @@ use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::{attempt, executable, guard};
 use crate::config::{ChromaMode, Config, Environment, GazeSource, debug_view, wants_contrast, wants_reuse};
+use crate::inputs::gaze::recentre::{GazeCorrecting, RecentreDesk};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use crate::status::StatusReporter;
@@ -153,14 +154,21 @@ pub(super) unsafe fn track(
     let config = instance.config.snapshot();
     // SAFETY: the device is live, as `# Safety` demands.
     let active = device.ok().map(|device| unsafe { Active::new(device, Arc::clone(&config)) });
-    let actions = SessionActions::new(active.is_some() && instance.reports_eye_gaze(system));
+    let headset = active.as_ref().map(|_| instance.headset(system)).unwrap_or_default();
+    let actions = SessionActions::new(headset.reports_eye_gaze);
     let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
     if let Some(active) = &active {
         active.device.set_active(true);
         active.plan.notify_settings(active, &config);
         tracing::info!("session active, {}", gaze_of(config.gaze.source, actions.may_have_gaze()));
     }
-    let gaze = SessionGaze::default();
+    // Never with elevated rights: then instances are inert.
+    let environment = Environment::of_process(false);
+    let correction = Arc::<GazeCorrecting>::default();
+    let desk = active
+        .as_ref()
+        .map(|_| RecentreDesk::new(&environment, std::process::id(), headset.name, Arc::clone(&correction)));
+    let gaze = SessionGaze::new(correction);
     if active.is_some() {
         gaze.open(&config, actions.may_have_gaze(), Instant::now());
     }
@@ -172,8 +180,7 @@ pub(super) unsafe fn track(
         inert,
         ..Status::default()
     };
-    // Never with elevated rights: then instances are inert.
-    let reporter = StatusReporter::begin(&Environment::of_process(false), known, Arc::clone(&config.source));
+    let reporter = StatusReporter::begin(&environment, known, Arc::clone(&config.source), desk);
     SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze, reporter }));
 }
 

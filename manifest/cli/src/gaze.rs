@@ -1,14 +1,19 @@
 //! `parafovea gaze`.
 
+mod recentre;
+
 use crate::status::{self, Watched};
-use parafovea_manifest::status::{Found, Gaze, Osc};
+use parafovea_manifest::status::{Found, Osc, Status};
 use serde_json::json;
 use std::fmt::Write;
 use std::process::ExitCode;
 
 /// How it is shown.
 #[derive(Clone, Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub struct Options {
+    #[command(subcommand)]
+    command: Option<Command>,
     /// Application to show: its OpenXR application name, its executable's name or its process ID
     #[arg(value_name = "APPLICATION")]
     application: Option<String>,
@@ -20,9 +25,17 @@ pub struct Options {
     json: bool,
 }
 
+#[derive(Clone, Debug, clap::Subcommand)]
+enum Command {
+    Recentre(recentre::Options),
+}
+
 /// Shows source and quality of the gaze in running applications, until it is interrupted or its reader ends.
 pub fn gaze(options: Options) -> ExitCode {
-    let Options { application, once, json } = options;
+    let Options { command, application, once, json } = options;
+    if let Some(Command::Recentre(options)) = &command {
+        return recentre::recentre(options);
+    }
     status::watch(application.as_deref(), once, json, Watched { text: of_all, json: as_json })
 }
 
@@ -34,7 +47,7 @@ fn of_all(found: &[Found]) -> String {
         .filter(|status| status.inert.is_empty())
         .map(|status| {
             let head = format!("{} (process {}, {})\n", status.application, status.pid, status.executable);
-            head + &of_one(&status.gaze)
+            head + &of_one(status)
         })
         .collect();
     if active.is_empty() {
@@ -44,7 +57,8 @@ fn of_all(found: &[Found]) -> String {
     active.join("\n")
 }
 
-fn of_one(gaze: &Gaze) -> String {
+fn of_one(status: &Status) -> String {
+    let gaze = &status.gaze;
     let mut text = String::new();
     let mut line = |name: &str, value: &str| {
         // Writing to a String cannot fail.
@@ -62,6 +76,9 @@ fn of_one(gaze: &Gaze) -> String {
         line("noise", &known(noise));
         line("blinks", &gaze.blinks.to_string());
         line("saccades", &gaze.saccades.to_string());
+    }
+    if let Some(correction) = &status.recentre.correction {
+        line("recentred", &format!("by {}", recentre::of_correction(correction)));
     }
     if !gaze.osc.address.is_empty() {
         line("packets", &packets(&gaze.osc));
@@ -91,6 +108,7 @@ fn packets(osc: &Osc) -> String {
 fn as_json(found: &[Found]) -> String {
     let line = |Found { status, age }: &Found| {
         let mut object = json!(status.gaze);
+        object["recentre"] = json!(status.recentre);
         object["application"] = json!(status.application);
         object["pid"] = json!(status.pid);
         object["status_age_ms"] = json!(age.as_millis() as u64);
@@ -102,7 +120,7 @@ fn as_json(found: &[Found]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use parafovea_manifest::status::Status;
+    use parafovea_manifest::status::Gaze;
     use std::time::Duration;
 
     fn found(gaze: Gaze) -> Vec<Found> {

@@ -3,6 +3,8 @@
 mod text;
 mod view;
 
+pub use view::shown_view;
+
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Found, Gone, read_all};
 use serde_json::json;
@@ -67,7 +69,7 @@ pub fn watch(
 }
 
 /// Calls `show`, unless applications have no folder for their state.
-fn with_folder(show: impl FnOnce(&Environment) -> ExitCode) -> ExitCode {
+pub fn with_folder(show: impl FnOnce(&Environment) -> ExitCode) -> ExitCode {
     let environment = Environment::of_process(false);
     if environment.runtime_dir().is_none() {
         eprintln!(
@@ -107,7 +109,7 @@ fn repeat(
 }
 
 /// Status of `application`, or of all, and the number of crashed or hanging ones.
-fn read(environment: &Environment, application: Option<&str>) -> io::Result<(Vec<Found>, Gone)> {
+pub fn read(environment: &Environment, application: Option<&str>) -> io::Result<(Vec<Found>, Gone)> {
     let (mut found, gone) = read_all(environment, SystemTime::now())?;
     let is_it = |Found { status, .. }: &Found| {
         application.is_none_or(|name| {

@@ -1,7 +1,7 @@
 //! The folder with the files.
 
-use super::view::asked_file;
-use super::{FRESH_S, Status};
+use super::request::request_file;
+use super::{FRESH_S, Status, recentre, view};
 use crate::paths::Environment;
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read, Write};
@@ -15,12 +15,15 @@ const MAX_BYTES: u64 = 1 << 18;
 /// A file of an application that ended is removed when it is as old as this.
 const FORGOTTEN: Duration = Duration::from_secs(60);
 
+/// The kinds of requests, which are extensions of their files.
+const REQUESTS: [&str; 2] = [view::KIND, recentre::KIND];
+
 /// The file of a process; it goes when this is dropped.
 #[derive(Debug)]
 pub struct StatusFile {
     path: PathBuf,
     next: PathBuf,
-    asked: PathBuf,
+    requests: [PathBuf; REQUESTS.len()],
 }
 
 impl StatusFile {
@@ -37,10 +40,12 @@ impl StatusFile {
         if !metadata.is_dir() || above.is_some_and(|above| above.uid() != metadata.uid()) {
             return Err(io::ErrorKind::PermissionDenied.into());
         }
-        let asked = asked_file(&folder, pid);
-        let _ = fs::remove_file(&asked);
+        let requests = REQUESTS.map(|kind| request_file(&folder, pid, kind));
+        for request in &requests {
+            let _ = fs::remove_file(request);
+        }
         let path = folder.join(format!("{pid}.json"));
-        Ok(Some(Self { path, next: folder.join(format!(".{pid}")), asked }))
+        Ok(Some(Self { path, next: folder.join(format!(".{pid}")), requests }))
     }
 
     /// Replaces the last status by `status`: whoever reads sees the one or the other, never a part.
@@ -64,7 +69,7 @@ impl StatusFile {
 impl Drop for StatusFile {
     fn drop(&mut self) {
         // Nobody is to be told; what stays is forgotten by its age.
-        for file in [&self.path, &self.next, &self.asked] {
+        for file in [&self.path, &self.next].into_iter().chain(&self.requests) {
             let _ = fs::remove_file(file);
         }
     }
@@ -106,7 +111,9 @@ pub fn read_all(environment: &Environment, now: SystemTime) -> io::Result<(Vec<F
             gone += 1;
             if age > FORGOTTEN {
                 let _ = fs::remove_file(&path);
-                let _ = fs::remove_file(path.with_extension("view"));
+                for kind in REQUESTS {
+                    let _ = fs::remove_file(path.with_extension(kind));
+                }
             }
         }
     }

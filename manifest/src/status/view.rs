@@ -4,15 +4,17 @@
 //! configuration stays as the user wrote it.
 
 use super::folder::folder;
+use super::request::{self, request_file};
 use crate::options::DebugView;
 use crate::paths::Environment;
-use std::fs::{self, OpenOptions};
-use std::io::{self, Read, Write};
-use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::PathBuf;
 
 /// More than a name has.
 const MOST_BYTES: usize = 32;
+
+/// The requests of this kind.
+pub(super) const KIND: &str = "view";
 
 /// The place where a process looks for requests.
 #[derive(Debug)]
@@ -21,22 +23,13 @@ pub struct AskedView(Option<PathBuf>);
 impl AskedView {
     /// Of the process `pid`, as it knows itself.
     pub fn new(environment: &Environment, pid: u32) -> Self {
-        Self(folder(environment).map(|folder| asked_file(&folder, pid)))
+        Self(folder(environment).map(|folder| request_file(&folder, pid, KIND)))
     }
 
     /// The requested view; `None` for the configuration's. What is no name of a view, or not a file that only this folder's owner can
     /// write, asks for nothing. Never waits, and allocates nothing.
     pub fn look(&self) -> Option<DebugView> {
-        let path = self.0.as_deref()?;
-        let flags = libc::O_NOFOLLOW | libc::O_NONBLOCK;
-        let mut file = OpenOptions::new().read(true).custom_flags(flags).open(path).ok()?;
-        let (file_is, folder_is) = (file.metadata().ok()?, fs::metadata(path.parent()?).ok()?);
-        if !file_is.is_file() || file_is.uid() != folder_is.uid() || file_is.mode() & 0o022 != 0 {
-            return None;
-        }
-        let mut bytes = [0; MOST_BYTES];
-        let length = file.read(&mut bytes).ok()?;
-        DebugView::of_name(std::str::from_utf8(&bytes[..length]).ok()?.trim_end())
+        DebugView::of_name(request::read(self.0.as_deref()?, &mut [0; MOST_BYTES])?)
     }
 }
 
@@ -45,36 +38,14 @@ impl AskedView {
 /// # Errors
 /// Nothing tells of that process, or the file system refuses.
 pub fn ask_view(environment: &Environment, pid: u32, view: Option<DebugView>) -> io::Result<()> {
-    let folder = folder(environment).ok_or(io::ErrorKind::NotFound)?;
-    let path = asked_file(&folder, pid);
-    let Some(view) = view else {
-        return match fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        };
-    };
-    let next = folder.join(format!(".{pid}.view"));
-    let flags = libc::O_NOFOLLOW;
-    let mut file = OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .mode(0o600)
-        .custom_flags(flags)
-        .open(&next)?;
-    file.write_all(view.name().as_bytes())?;
-    fs::rename(next, path)
-}
-
-/// The file of a process.
-pub(super) fn asked_file(folder: &Path, pid: u32) -> PathBuf {
-    folder.join(format!("{pid}.view"))
+    request::write(environment, pid, KIND, view.map(DebugView::name))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::status::StatusFile;
+    use std::fs;
     use std::os::unix::fs::{PermissionsExt, symlink};
     use tempfile::TempDir;
 

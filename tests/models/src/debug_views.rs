@@ -32,7 +32,7 @@ pub fn picture(view: DebugView) -> Plane<[u8; 3]> {
     let eye = plan();
     let tiles = match view {
         DebugView::Age => &eye.ages,
-        DebugView::Rates | DebugView::Eccentricity | DebugView::Gaze => &eye.rates,
+        DebugView::Rates | DebugView::Eccentricity | DebugView::Gaze | DebugView::Ahead => &eye.rates,
     };
     let shape = MapShape { extent: eye.extent, texel: eye.texel, tiles: [tiles.width(), tiles.height()] };
     let mut map = Vec::new();

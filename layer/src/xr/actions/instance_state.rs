@@ -2,7 +2,7 @@
 
 use super::application::ApplicationInput;
 use super::gaze_action::GazeAction;
-use crate::xr::instance::Instance;
+use crate::xr::instance::{Instance, text};
 use openxr_sys as xr;
 use std::ptr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -64,12 +64,18 @@ impl InstanceActions {
     }
 }
 
+/// A headset, as the runtime describes it.
+#[derive(Clone, Debug, Default)]
+pub struct Headset {
+    /// Its name; empty: not known.
+    pub name: String,
+    /// Whether it has an eye tracker.
+    pub reports_eye_gaze: bool,
+}
+
 impl Instance {
-    /// Whether the runtime says that a system has an eye tracker.
-    pub fn reports_eye_gaze(&self, system: xr::SystemId) -> bool {
-        if !self.eye_gaze {
-            return false;
-        }
+    /// The headset of a system.
+    pub fn headset(&self, system: xr::SystemId) -> Headset {
         let mut gaze = xr::SystemEyeGazeInteractionPropertiesEXT {
             ty: xr::SystemEyeGazeInteractionPropertiesEXT::TYPE,
             next: ptr::null_mut(),
@@ -77,7 +83,8 @@ impl Instance {
         };
         let mut properties = xr::SystemProperties {
             ty: xr::SystemProperties::TYPE,
-            next: (&raw mut gaze).cast(),
+            // The extension's structure without the extension is invalid usage.
+            next: if self.eye_gaze { (&raw mut gaze).cast() } else { ptr::null_mut() },
             system_id: xr::SystemId::NULL,
             vendor_id: 0,
             system_name: [0; xr::MAX_SYSTEM_NAME_SIZE],
@@ -93,6 +100,10 @@ impl Instance {
         };
         // SAFETY: the next layer's function, a live instance and valid structures to write to.
         let result = unsafe { (self.next.get_system_properties)(self.handle, system, &mut properties) };
-        result.into_raw() >= 0 && gaze.supports_eye_gaze_interaction == xr::TRUE
+        if result.into_raw() < 0 {
+            return Headset::default();
+        }
+        let name = text(&properties.system_name);
+        Headset { name, reports_eye_gaze: gaze.supports_eye_gaze_interaction == xr::TRUE }
     }
 }

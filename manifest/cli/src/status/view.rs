@@ -45,7 +45,7 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
     let mut all_follow = true;
     for Found { status, .. } in found {
         let line = match ask_view(environment, status.pid, view) {
-            Ok(()) => outcome(environment, &status, view),
+            Ok(()) => shown_view(environment, &status, view),
             Err(error) => Err(format!("could not send the request: {error}")),
         };
         all_follow &= line.is_ok();
@@ -55,8 +55,12 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
     if all_follow { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// The outcome of a request, once known.
-fn outcome(environment: &Environment, asked: &Status, view: Option<DebugView>) -> Result<String, String> {
+/// The outcome of a request, once known: the visible view, or why there is none.
+pub fn shown_view(
+    environment: &Environment,
+    asked: &Status,
+    view: Option<DebugView>,
+) -> Result<String, String> {
     if !asked.inert.is_empty() {
         return Err(format!("no overlay, because the session is inert: {}", asked.inert));
     }
