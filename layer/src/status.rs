@@ -19,7 +19,7 @@ pub use signal::SignalQuality;
 pub use snapshot::{GateStatus, StatusSnapshot};
 pub use unseen::{Known, why_unseen};
 
-use crate::inputs::gaze::recentre::RecentreDesk;
+use crate::inputs::gaze::recentre::RecentreRequests;
 use applied_rates::AppliedRates;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Settings, Status, StatusFile};
@@ -49,7 +49,7 @@ impl StatusReporter {
         environment: &Environment,
         known: Status,
         settings: Arc<Settings>,
-        mut recentre: Option<RecentreDesk>,
+        mut recentre: Option<RecentreRequests>,
     ) -> Option<Self> {
         let file = StatusFile::new(environment, known.pid)
             .inspect_err(|error| tracing::warn!("parafovea status will not show this session: {error}"))

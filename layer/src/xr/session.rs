@@ -14,7 +14,7 @@ use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::{attempt, executable, guard};
 use crate::config::{ChromaMode, Config, Environment, GazeSource, debug_view, wants_contrast, wants_reuse};
-use crate::inputs::gaze::recentre::{GazeCorrecting, RecentreDesk};
+use crate::inputs::gaze::recentre::{GazeCorrecting, RecentreRequests};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use crate::status::StatusReporter;
@@ -165,9 +165,9 @@ pub(super) unsafe fn track(
     // Never with elevated rights: then instances are inert.
     let environment = Environment::of_process(false);
     let correction = Arc::<GazeCorrecting>::default();
-    let desk = active
-        .as_ref()
-        .map(|_| RecentreDesk::new(&environment, std::process::id(), headset.name, Arc::clone(&correction)));
+    let requests = active.as_ref().map(|_| {
+        RecentreRequests::new(&environment, std::process::id(), headset.name, Arc::clone(&correction))
+    });
     let gaze = SessionGaze::new(correction);
     if active.is_some() {
         gaze.open(&config, actions.may_have_gaze(), Instant::now());
@@ -180,7 +180,7 @@ pub(super) unsafe fn track(
         inert,
         ..Status::default()
     };
-    let reporter = StatusReporter::begin(&environment, known, Arc::clone(&config.source), desk);
+    let reporter = StatusReporter::begin(&environment, known, Arc::clone(&config.source), requests);
     SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze, reporter }));
 }
 

@@ -1,7 +1,7 @@
 //! The stored correction of the eye tracker, and its measurement for `parafovea gaze recentre`.
 //!
 //! The frame's thread corrects the gaze and hands over samples ([`GazeCorrecting`]); requests and files are the status thread's
-//! ([`RecentreDesk`]). Nothing of the gaze is logged.
+//! ([`RecentreRequests`]). Nothing of the gaze is logged.
 
 use super::auto::Holder;
 use super::{Look, degrees, turned};
@@ -79,7 +79,7 @@ impl GazeCorrecting {
 
 /// Follows requests for a measurement, and the file of the correction.
 #[derive(Debug)]
-pub struct RecentreDesk {
+pub struct RecentreRequests {
     correcting: Arc<GazeCorrecting>,
     asked: AskedRecentre,
     headset: String,
@@ -89,7 +89,7 @@ pub struct RecentreDesk {
     status: Recentre,
 }
 
-impl RecentreDesk {
+impl RecentreRequests {
     /// Reads the correction of a headset, and looks for requests to the process `pid`.
     pub fn new(
         environment: &Environment,
@@ -103,9 +103,9 @@ impl RecentreDesk {
             ..Recentre::default()
         };
         let asked = AskedRecentre::new(environment, pid);
-        let mut desk = Self { correcting, asked, headset, file, fault: String::new(), status };
-        desk.read();
-        desk
+        let mut requests = Self { correcting, asked, headset, file, fault: String::new(), status };
+        requests.read();
+        requests
     }
 
     /// Begins and ends measurements, and takes over a correction that was stored or removed meanwhile, by whatever process.

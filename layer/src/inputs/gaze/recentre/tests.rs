@@ -12,14 +12,14 @@ struct Session {
     environment: Environment,
     _status: StatusFile,
     correcting: Arc<GazeCorrecting>,
-    desk: RecentreDesk,
+    requests: RecentreRequests,
     time_ns: i64,
 }
 
-fn desk(environment: &Environment) -> (Arc<GazeCorrecting>, RecentreDesk) {
+fn requests(environment: &Environment) -> (Arc<GazeCorrecting>, RecentreRequests) {
     let correcting = Arc::<GazeCorrecting>::default();
-    let desk = RecentreDesk::new(environment, 7, "Headset".to_owned(), correcting.clone());
-    (correcting, desk)
+    let requests = RecentreRequests::new(environment, 7, "Headset".to_owned(), correcting.clone());
+    (correcting, requests)
 }
 
 impl Session {
@@ -29,8 +29,8 @@ impl Session {
             ["XDG_RUNTIME_DIR", "XDG_STATE_HOME"].contains(&name).then(|| folder.path().into())
         });
         let status = StatusFile::new(&environment, 7).unwrap().unwrap();
-        let (correcting, desk) = desk(&environment);
-        Self { _folder: folder, environment, _status: status, correcting, desk, time_ns: 1 << 40 }
+        let (correcting, requests) = requests(&environment);
+        Self { _folder: folder, environment, _status: status, correcting, requests, time_ns: 1 << 40 }
     }
 
     /// Five seconds of a gaze; the corrected one.
@@ -49,10 +49,10 @@ impl Session {
 
     fn measure(&mut self, number: u64, source: Holder, left_up: Option<[f32; 2]>) -> Recentre {
         ask_recentre(&self.environment, 7, Some(number)).unwrap();
-        let begun = self.desk.poll();
+        let begun = self.requests.poll();
         assert!(begun.is_measuring && begun.number == number, "{begun:?}");
         self.look(source, left_up);
-        self.desk.poll()
+        self.requests.poll()
     }
 }
 
@@ -75,7 +75,7 @@ fn a_measured_offset_is_removed_in_this_session_and_in_later_ones_of_the_source(
     assert_eq!(done.correction.unwrap().offset_deg, [-3.0, 1.0]);
     assert!(is_near(angles(session.look(Holder::Eyes, Some([3.0, -1.0]))), [0.0, 0.0]));
     assert!(is_near(angles(session.look(Holder::Osc, Some([3.0, -1.0]))), [3.0, -1.0]), "another tracker");
-    let (correcting, _later) = desk(&session.environment);
+    let (correcting, _later) = requests(&session.environment);
     let look = Look::At { direction: direction([3.0, -1.0]), sampled_ns: 1 };
     assert!(is_near(angles(correcting.corrected(Holder::Eyes, look, 1)), [0.0, 0.0]));
     // A second measurement is of the tracker, not of what the first one left.
@@ -83,7 +83,7 @@ fn a_measured_offset_is_removed_in_this_session_and_in_later_ones_of_the_source(
     assert_eq!(again.correction.unwrap().offset_deg, [-3.5, 1.0]);
     // Reset, by another process.
     GazeCorrection::remove_all(&session.environment).unwrap();
-    assert_eq!(session.desk.poll().correction, None);
+    assert_eq!(session.requests.poll().correction, None);
     assert!(is_near(angles(session.look(Holder::Eyes, Some([3.0, -1.0]))), [3.0, -1.0]));
 }
 
@@ -98,11 +98,11 @@ fn a_failed_measurement_keeps_the_correction_and_says_why() {
         assert_eq!(failed.correction.unwrap().offset_deg, [-1.0, 0.0]);
     }
     ask_recentre(&session.environment, 7, Some(4)).unwrap();
-    assert!(session.desk.poll().is_measuring);
+    assert!(session.requests.poll().is_measuring);
     ask_recentre(&session.environment, 7, None).unwrap();
-    assert!(!session.desk.poll().is_measuring);
+    assert!(!session.requests.poll().is_measuring);
     session.look(Holder::Osc, Some([2.0, 0.0]));
-    assert_eq!(session.desk.poll().correction.unwrap().offset_deg, [-1.0, 0.0], "it was withdrawn");
+    assert_eq!(session.requests.poll().correction.unwrap().offset_deg, [-1.0, 0.0], "it was withdrawn");
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn a_damaged_file_is_no_correction() {
     session.measure(1, Holder::Eyes, Some([3.0, 0.0]));
     let file = GazeCorrection::file(&session.environment, "Headset").unwrap();
     fs::write(&file, "{").unwrap();
-    assert_eq!(session.desk.poll().correction, None);
+    assert_eq!(session.requests.poll().correction, None);
     assert!(is_near(angles(session.look(Holder::Eyes, Some([3.0, 0.0]))), [3.0, 0.0]));
-    assert!(session.desk.fault.contains("Headset.json: EOF"), "{}", session.desk.fault);
+    assert!(session.requests.fault.contains("Headset.json: EOF"), "{}", session.requests.fault);
 }
