@@ -64,7 +64,7 @@ fn measured(environment: &Environment, application: Option<&str>) -> Result<Stri
     let before = debug_view.is_asked.then(|| DebugView::of_name(&debug_view.name)).flatten();
     crate::print("Look at the red dot in the headset until it disappears.\n");
     let outcome = ask(environment, *pid);
-    // Whoever ended meanwhile took its requests along.
+    // An application that ended meanwhile took its requests along.
     let _ = ask_recentre(environment, *pid, None);
     let _ = ask_view(environment, *pid, before);
     outcome.map(|recentre| in_words(&recentre))
@@ -82,7 +82,7 @@ fn chosen(found: Vec<Found>) -> Result<Status, String> {
             Err(format!("several applications are running: {}; name one of them", names.join(", ")))
         }
         (None, _) => Err(
-            "no such application has an active OpenXR session with Parafovea; to list all: parafovea status"
+            "no running application with an active OpenXR session was found; to list all: parafovea status"
                 .to_owned(),
         ),
     }
@@ -176,7 +176,7 @@ mod tests {
             age: Duration::ZERO,
         };
         assert_eq!(chosen(vec![found(3, "not Vulkan"), found(4, "")]).unwrap().pid, 4);
-        assert!(chosen(vec![found(3, "not Vulkan")]).unwrap_err().starts_with("no such application"));
+        assert!(chosen(vec![found(3, "not Vulkan")]).unwrap_err().starts_with("no running application"));
         let several = chosen(vec![found(3, ""), found(4, "")]).unwrap_err();
         assert!(several.contains("Game (process 3), Game (process 4)"), "{several}");
     }
