@@ -180,7 +180,7 @@ impl Mask {
         Self { extent, layers, list, left_out: 0, patterns, around, shaded }
     }
 
-    /// Replaces the image's rates by those of `views`. Where views overlap, pixels are skipped only if all of them skip.
+    /// Replaces the image's rates by the rates of `views`. Where views overlap, pixels are skipped only if all of them skip.
     pub fn lay(&mut self, views: &[MaskView]) {
         self.list.clear();
         self.left_out = 0;

@@ -21,7 +21,7 @@ const STEADY_SHARE: f32 = 0.9;
 /// Least share of the samples of a fixation in which the eyes are seen.
 const SEEN_SHARE: f32 = 0.5;
 
-/// Fewest samples of a fixation: half of those of a 30 Hz tracker.
+/// Fewest samples of a fixation: half of a 30 Hz tracker's.
 const LEAST_SAMPLES: usize = 15;
 
 /// Before and after a blink the lids distort the gaze for so long, nanoseconds.
@@ -119,7 +119,7 @@ impl Recentring {
             (0..seen.len()).filter_map(|first| self.fixation_from(&seen[first..])).collect();
         let steadiest = steady.iter().min_by(|one, other| one.spread_deg.total_cmp(&other.spread_deg));
         let Fixation { centre, spread_deg } = *steadiest.ok_or(RecentreFailure::Unsteady)?;
-        // Two points, of which nobody knows which is the dot.
+        // Two steady points: either could be the dot.
         if steady.iter().any(|other| distance(other.centre, centre) > DISPERSION_DEG) {
             return Err(RecentreFailure::Unsteady);
         }

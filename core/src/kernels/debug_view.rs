@@ -60,7 +60,7 @@ uniform! {
         pub plane_origin: [f32; 2],
         /// [`ImagePlane::step`] of the picture.
         pub plane_step: [f32; 2],
-        /// Where the eye looks, or straight ahead for [`DebugView::Ahead`], unit vector in the view's space; all 0 where that is not known.
+        /// Direction of the gaze, or straight ahead for [`DebugView::Ahead`]: unit vector in the view's space; all 0 if unknown.
         pub gaze: [f32; 3],
         /// [`DebugView::number`].
         pub view: u32,

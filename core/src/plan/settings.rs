@@ -21,7 +21,7 @@ pub struct PlanSettings {
     /// Rates and tile size of the device.
     pub device: DeviceRates,
     /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::by_contrast`] is the input of the kernel `decide`, and the plan's
-    /// own rates are those of fixed foveation, the fallback without that kernel.
+    /// own rates are the fallback without that kernel: fixed foveation.
     pub contrast_on_gpu: bool,
 }
 

@@ -149,7 +149,7 @@ unsafe fn split_at<'c, T: TaggedStructure>(
 /// `first` is null or starts a valid chain, which lives for `'c`.
 pub unsafe fn find<'c, T: TaggedStructure>(first: *const c_void) -> Option<&'c T> {
     let mut at: *const vk::BaseInStructure<'c> = first.cast();
-    // SAFETY: null, or the next structure of a valid chain, as `# Safety` demands; its type says what it is.
+    // SAFETY: null, or the next structure of a valid chain, as `# Safety` demands; its type names the structure.
     unsafe {
         while let Some(structure) = at.as_ref() {
             if structure.s_type == T::STRUCTURE_TYPE {

@@ -51,7 +51,7 @@ pub struct PlannedDevice<'a> {
     pub texel: [u32; 2],
     /// Whether it is a CPU.
     pub is_cpu: bool,
-    /// Whether its rates are those of a mask.
+    /// Whether its rates come from a mask.
     pub has_mask: bool,
 }
 

@@ -68,7 +68,7 @@ mod tests {
         for look in [Look::NoTracker, Look::Unseen] {
             assert_eq!(turned(look, [1.5, -0.5]), look);
         }
-        // Without one, a tracker's answer is judged as it is.
+        // Without a correction, the tracker's answer stays unchanged.
         let zero = Look::At { direction: Vec3::ZERO, sampled_ns: 7 };
         assert_eq!(turned(zero, [0.0; 2]), zero);
     }

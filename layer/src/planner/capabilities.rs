@@ -29,7 +29,7 @@ impl Capabilities {
         self.is_cpu
     }
 
-    /// Whether the rates are those of a mask.
+    /// Whether the rates come from a mask.
     pub fn has_mask(&self) -> bool {
         self.has_mask
     }

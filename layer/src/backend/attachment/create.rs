@@ -92,7 +92,7 @@ pub unsafe fn device<'c>(
         return Err(NoRates::Extension(missing));
     }
     let has_driver_id = api_version >= vk::API_VERSION_1_2 || is_offered(vk::KHR_DRIVER_PROPERTIES_NAME);
-    // SAFETY: instance and physical device are live, as `# Safety` demands, and the latter offers what is asked about.
+    // SAFETY: instance and physical device are live, as `# Safety` demands, and the latter offers the extensions of the queried properties.
     let (capabilities, quirks) = unsafe {
         let questions = Questions::new(instance)?;
         let driver_id = has_driver_id.then(|| questions.driver_id(physical_device));

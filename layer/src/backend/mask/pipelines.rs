@@ -134,7 +134,7 @@ impl Masks {
         Some(Returning::new(recipe, !changes_coverage))
     }
 
-    /// What a recipe needs of a subpass; `None` if it has no colour, or nothing is known of it.
+    /// A subpass as recipes take it; `None` if it has no colour, or is unknown.
     fn pass_of(&self, pass: vk::RenderPass, subpass: u32) -> Option<PassOf> {
         let known = self.compatible.get(pass)?;
         let subpass = known.description.subpasses.get(subpass as usize)?;

@@ -328,7 +328,7 @@ unsafe fn chain_of(
                 let flags = vk::PipelineCreateFlags2KHR::from_raw(flags & !u64::from(NOT_KEPT.as_raw()));
                 next = memory.many(&[Flags2 { p_next: next, flags, ..Default::default() }]).cast();
             }
-            // What the application wants to know of its own.
+            // Feedback and names of the application's own pipeline.
             vk::StructureType::PIPELINE_CREATION_FEEDBACK_CREATE_INFO
             | vk::StructureType::DEBUG_UTILS_OBJECT_NAME_INFO_EXT => {}
             _ => return None,

@@ -330,8 +330,8 @@ impl RateMap for TargetMask {
         // Of a map that was made only now nothing is staged.
         let map = self.made().filter(|map| map.staging_len() == upload.len);
         if let (Some(map), Some(gpu)) = (map, self.masks.gpu()) {
-            // SAFETY: the command buffer is recording, as [`RateMap`] demands; what is recorded into it names what `self` keeps, and the
-            // caller keeps that until it has finished.
+            // SAFETY: the command buffer is recording, as [`RateMap`] demands; the recorded commands name objects of `self`, which
+            // the caller keeps until they have finished.
             let commands = unsafe { AppCommands::new(gpu, upload.commands) };
             map.upload(&commands, upload.staging, upload.offset);
         }
