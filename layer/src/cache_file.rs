@@ -2,8 +2,9 @@
 
 use crate::abi::Enablement;
 use parafovea_manifest::paths::Environment;
-use std::fs::{self, DirBuilder, OpenOptions};
-use std::io::{self, Read, Write as _};
+use parafovea_manifest::private_file;
+use std::fs::{DirBuilder, OpenOptions};
+use std::io::{self, Read};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
@@ -35,15 +36,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     DirBuilder::new().recursive(true).mode(0o700).create(folder)?;
     let next = folder.join(format!(".{}.{}", name.to_string_lossy(), std::process::id()));
-    let mut file = OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .mode(0o600)
-        .custom_flags(libc::O_NOFOLLOW)
-        .open(&next)?;
-    let written = file.write_all(bytes).and_then(|()| fs::rename(&next, path));
-    written.inspect_err(|_| drop(fs::remove_file(&next)))
+    private_file::replace(path, &next, bytes)
 }
 
 /// FNV-1a, 64 bits: against damage, not against somebody.

@@ -3,9 +3,10 @@
 //! It has the offset, the spread and the names of headset and source, and nothing else of the gaze.
 
 use crate::paths::{Environment, file_stem};
+use crate::private_file;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, DirBuilder, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
@@ -88,16 +89,8 @@ impl GazeCorrection {
         let folder = path.parent().ok_or(io::ErrorKind::InvalidInput)?;
         DirBuilder::new().recursive(true).mode(0o700).create(folder)?;
         let next = path.with_extension(format!("{}.new", std::process::id()));
-        let mut file = OpenOptions::new()
-            .write(true)
-            .create(true)
-            .truncate(true)
-            .mode(0o600)
-            .custom_flags(libc::O_NOFOLLOW)
-            .open(&next)?;
         let text = serde_json::to_string_pretty(self)?;
-        let written = file.write_all(text.as_bytes()).and_then(|()| fs::rename(&next, path));
-        written.inspect_err(|_| drop(fs::remove_file(&next)))
+        private_file::replace(path, &next, text.as_bytes())
     }
 
     /// Removes the corrections of all headsets, damaged ones too, and returns their files.

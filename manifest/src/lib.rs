@@ -10,5 +10,6 @@ pub mod install;
 pub mod json;
 pub mod options;
 pub mod paths;
+pub mod private_file;
 pub mod quirks;
 pub mod status;

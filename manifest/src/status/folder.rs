@@ -3,9 +3,10 @@
 use super::request::request_file;
 use super::{FRESH_S, Status, recentre, view};
 use crate::paths::Environment;
-use std::fs::{self, DirBuilder, File, OpenOptions};
-use std::io::{self, Read, Write};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
+use crate::private_file;
+use std::fs::{self, DirBuilder, File};
+use std::io::{self, Read};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
@@ -54,15 +55,7 @@ impl StatusFile {
     /// The file system refuses.
     pub fn write(&self, status: &Status) -> io::Result<()> {
         let text = serde_json::to_vec(status)?;
-        let mut file = OpenOptions::new()
-            .write(true)
-            .create(true)
-            .truncate(true)
-            .mode(0o600)
-            .custom_flags(libc::O_NOFOLLOW)
-            .open(&self.next)?;
-        file.write_all(&text)?;
-        fs::rename(&self.next, &self.path)
+        private_file::replace(&self.path, &self.next, &text)
     }
 }
 

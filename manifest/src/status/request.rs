@@ -2,8 +2,9 @@
 
 use super::folder::folder;
 use crate::paths::Environment;
+use crate::private_file;
 use std::fs::{self, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
@@ -44,13 +45,5 @@ pub(super) fn write(
         };
     };
     let next = folder.join(format!(".{pid}.{kind}"));
-    let mut file = OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .mode(0o600)
-        .custom_flags(libc::O_NOFOLLOW)
-        .open(&next)?;
-    file.write_all(request.as_bytes())?;
-    fs::rename(next, path)
+    private_file::replace(&path, &next, request.as_bytes())
 }
