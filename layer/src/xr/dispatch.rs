@@ -3,7 +3,7 @@
 //! A line `c"xrName" field: Type => hook` gives the field of [`Next`], its loader and the answer of
 //! `xrGetInstanceProcAddr`; a line without `=> hook` is only called. All are OpenXR 1.0 core.
 
-use super::{actions, frame, instance, plan, session, swapchain};
+use super::{actions, frame, instance, plan, session, spaces, swapchain};
 use openxr_sys::pfn;
 use std::ffi::CStr;
 
@@ -80,6 +80,8 @@ functions! {
     c"xrGetCurrentInteractionProfile" get_current_interaction_profile:
         GetCurrentInteractionProfile => actions::get_current_profile;
     c"xrCreateActionSpace" create_action_space: CreateActionSpace;
-    c"xrCreateReferenceSpace" create_reference_space: CreateReferenceSpace;
+    c"xrCreateReferenceSpace" create_reference_space:
+        CreateReferenceSpace => spaces::create_reference;
+    c"xrDestroySpace" destroy_space: DestroySpace => spaces::destroy;
     c"xrLocateSpace" locate_space: LocateSpace;
 }

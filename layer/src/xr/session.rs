@@ -8,7 +8,7 @@ pub use active::{Active, Health, Tools};
 use super::actions::SessionActions;
 use super::gaze::SessionGaze;
 use super::instance::{self, Instance, next_of_any};
-use super::spaces::Spaces;
+use super::spaces::{self, LocatedHead, Spaces};
 use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
@@ -33,6 +33,8 @@ pub struct Session {
     pub active: Option<Active>,
     /// Spaces of ours, if it is active and they could be made.
     pub spaces: Option<Spaces>,
+    /// How the head is turned, by its located views.
+    pub head: LocatedHead,
     /// State of its actions, and of ours.
     pub actions: SessionActions,
     /// Where its gaze comes from.
@@ -181,7 +183,9 @@ pub(super) unsafe fn track(
         ..Status::default()
     };
     let reporter = StatusReporter::begin(&environment, known, Arc::clone(&config.source), requests);
-    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze, reporter }));
+    let head = LocatedHead::default();
+    let session = Session { handle, instance, active, spaces, head, actions, gaze, reporter };
+    SESSIONS.insert(handle, Arc::new(session));
 }
 
 /// The source of a session's gaze, as the log names it.
@@ -226,6 +230,7 @@ pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
 /// Ends our part in a session that is about to be destroyed.
 fn end(session: &Session) {
     swapchain::forget_all_of(session.handle);
+    spaces::forget_all_of(session.handle);
     session.gaze.close();
     if let Some(active) = &session.active {
         active.plan.end();

@@ -1,4 +1,10 @@
-//! Spaces of ours, in which gaze and head are located whatever spaces the application has.
+//! Spaces of ours, in which gaze and head are located whatever spaces the application has, and those of the application that rest.
+
+mod head;
+mod resting;
+
+pub use head::LocatedHead;
+pub use resting::{create_reference, destroy, forget_all_of, rests};
 
 use super::dispatch::Next;
 use super::session::Session;
@@ -44,13 +50,8 @@ impl Spaces {
 }
 
 impl Session {
-    /// How the head is turned in the world at `time`; not at all where that is not known.
-    pub fn head_in_world(&self, time: xr::Time) -> Quat {
-        self.spaces.and_then(|spaces| self.head_in(spaces.world, time)).unwrap_or(Quat::IDENTITY)
-    }
-
-    /// How the head is turned in `space` at `time`.
-    pub fn head_in(&self, space: xr::Space, time: xr::Time) -> Option<Quat> {
+    /// How the head is turned in `space` at `time`, by the runtime.
+    fn locate_head(&self, space: xr::Space, time: xr::Time) -> Option<Quat> {
         let head = self.spaces?.head;
         locate(&self.instance.next, head, space, time, xr::SpaceLocationFlags::EMPTY, ptr::null_mut())
     }

@@ -41,7 +41,7 @@ pub unsafe extern "system" fn locate_views(
                     let is_valid = state.view_state_flags.contains(xr::ViewStateFlags::ORIENTATION_VALID);
                     if is_valid && !views.is_null() && *count <= capacity {
                         let views = std::slice::from_raw_parts(views, *count as usize);
-                        views_located(known, active, info.display_time, views);
+                        views_located(known, active, info, views);
                     }
                 }
             }
@@ -52,7 +52,8 @@ pub unsafe extern "system" fn locate_views(
 
 /// The application located its views. Of several calls for one frame the first plans it, where the plan waits for it; calls for other
 /// times, of a thread that prepares the next frame, plan nothing.
-fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr::View]) {
+fn views_located(session: &Session, active: &Active, info: &xr::ViewLocateInfo, views: &[xr::View]) {
+    let time = info.display_time;
     let views: SmallVec<[View; 4]> = views.iter().filter_map(|view| of_pose(&view.pose, &view.fov)).collect();
     let state = &active.plan;
     let config = {
@@ -64,6 +65,14 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
         frame.is_located = true;
         Arc::clone(&frame.config)
     };
+    if matches!(
+        info.view_configuration_type,
+        xr::ViewConfigurationType::PRIMARY_MONO
+            | xr::ViewConfigurationType::PRIMARY_STEREO
+            | xr::ViewConfigurationType::PRIMARY_STEREO_WITH_FOVEATED_INSET
+    ) {
+        session.head.views_located(info.space, time, views.iter().map(|view| view.orientation));
+    }
     let is_planned = {
         let mut planning = state.planning();
         planning.views.located(&views);

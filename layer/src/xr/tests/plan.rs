@@ -3,10 +3,12 @@
 mod application;
 mod gate;
 mod gaze;
+mod head;
 mod swapchains;
 
 use super::fake::frames::{
-    self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, IMAGES, IN_LOCATE, SAMPLE_AGE_NS, fov, pose,
+    self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, HEAD_LOCATED, IMAGES, IN_LOCATE, SAMPLE_AGE_NS,
+    VIEWS, fov, pose,
 };
 use super::fake::vulkan_half::{self, DECISIONS, GPU_NS, PASSES, STALE_WORDS, Told, calls, told};
 use super::{create_instance, fake};
@@ -14,7 +16,7 @@ use crate::config::{Config, RatesBackend};
 use crate::link::{BACKEND_ANY, BACKEND_NONE, NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
 use crate::status::{Topic, all_decisions};
 use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
-use crate::xr::{actions, frame, instance, plan, session, swapchain};
+use crate::xr::{actions, frame, instance, plan, session, spaces, swapchain};
 use application::{Application, FRAME_NS, SIDE, create_swapchain, locate, look, plans, session_of_tests};
 use ash::vk;
 use glam::Quat;

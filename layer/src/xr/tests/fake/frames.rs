@@ -12,6 +12,10 @@ thread_local! {
     pub static DISPLAY_TIME: Cell<i64> = const { Cell::new(1_000_000_000) };
     /// How the head is turned in every space but its own.
     pub static HEAD: Cell<Quat> = const { Cell::new(Quat::IDENTITY) };
+    /// How the views are turned in the head.
+    pub static VIEWS: Cell<Quat> = const { Cell::new(Quat::IDENTITY) };
+    /// How often the head was located.
+    pub static HEAD_LOCATED: Cell<usize> = const { Cell::new(0) };
     /// How the eyes are turned in the head; not tracked without.
     pub static EYES: Cell<Option<Quat>> = const { Cell::new(None) };
     /// How old the gaze is that is located; none where it has no time.
@@ -54,6 +58,7 @@ pub fn function(name: &str) -> Option<pfn::VoidFunction> {
         "xrLocateSpace" LocateSpace locate_space;
         "xrCreateReferenceSpace" CreateReferenceSpace create_reference_space;
         "xrCreateActionSpace" CreateActionSpace create_action_space;
+        "xrDestroySpace" DestroySpace destroy_space;
         "xrCreateActionSet" CreateActionSet create_action_set;
         "xrCreateAction" CreateAction create_action;
         "xrSuggestInteractionProfileBindings" SuggestInteractionProfileBindings suggest;
@@ -130,7 +135,7 @@ unsafe extern "system" fn begin_frame(_: xr::Session, _: *const xr::FrameBeginIn
 
 unsafe extern "system" fn locate_views(
     _: xr::Session,
-    _: *const xr::ViewLocateInfo,
+    info: *const xr::ViewLocateInfo,
     state: *mut xr::ViewState,
     capacity: u32,
     count: *mut u32,
@@ -139,10 +144,12 @@ unsafe extern "system" fn locate_views(
     // SAFETY: the tests pass an array of `capacity` views, and valid structures.
     unsafe {
         *count = 2;
+        let is_head = HEAD_SPACES.with_borrow(|spaces| spaces.contains(&(*info).space));
+        let turn = if is_head { VIEWS.get() } else { HEAD.get() * VIEWS.get() };
         (*state).view_state_flags = xr::ViewStateFlags::ORIENTATION_VALID;
         for at in 0..capacity.min(2) as usize {
             let [x, y, z] = (HEAD.get() * glam::Vec3::X * [-0.032, 0.032][at]).to_array();
-            (*views.add(at)).pose = xr::Posef { position: xr::Vector3f { x, y, z }, ..pose(HEAD.get()) };
+            (*views.add(at)).pose = xr::Posef { position: xr::Vector3f { x, y, z }, ..pose(turn) };
             (*views.add(at)).fov = fov();
         }
     }
@@ -177,7 +184,10 @@ unsafe extern "system" fn locate_space(
             GAZE_LOCATED.set(GAZE_LOCATED.get() + 1);
             EYES.get().map(|eyes| if is_head(base) { eyes } else { HEAD.get() * eyes })
         }
-        (_, true) => Some(if is_head(base) { Quat::IDENTITY } else { HEAD.get() }),
+        (_, true) => {
+            HEAD_LOCATED.set(HEAD_LOCATED.get() + 1);
+            Some(if is_head(base) { Quat::IDENTITY } else { HEAD.get() })
+        }
         _ => Some(Quat::IDENTITY),
     };
     // SAFETY: the layer passes a valid structure, which for the gaze one extends that takes its time.
@@ -211,6 +221,10 @@ unsafe extern "system" fn create_reference_space(
         }
         *space = made;
     }
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn destroy_space(_: xr::Space) -> xr::Result {
     xr::Result::SUCCESS
 }
 
