@@ -35,7 +35,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thread::PlanThread;
-use views::{look, plan};
+use views::{plan, watch};
 
 /// Numbers of plans rise in all sessions alike: one device may have one session after the other.
 static SERIAL: AtomicU64 = AtomicU64::new(0);
@@ -294,19 +294,16 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false, later: None };
     let last = std::mem::replace(&mut *state.frame(), frame);
     state.notify_settings(active, &config);
-    let only_watches = {
+    {
         let mut planning = state.planning();
         if let Some(views) = last.later {
             planning.views.located(&views);
         }
         planning.frame_begins(time.as_nanos());
-        planning.only_watches(&config, active.health() == Health::Works)
-    };
-    if only_watches {
-        look(session, state, &config, time);
     }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !last.is_located {
+        watch(session, (active, &config), time);
         plan(session, (active, &config), time, SmallVec::new());
     }
 }

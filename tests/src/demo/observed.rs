@@ -3,7 +3,7 @@
 use super::EyeView;
 use crate::HarnessError;
 use crate::compare::max_difference;
-use crate::measure::{Effort, Subject, Technique, judge, with_pictures};
+use crate::measure::{Effort, JudgedRun, Subject, Technique, judge_runs, with_pictures};
 use crate::picture::Picture;
 use crate::run::Outcome;
 use crate::scenario::Scenario;
@@ -25,11 +25,13 @@ pub struct Observed {
 }
 
 impl Observed {
-    /// Runs an application with a technique.
+    /// Runs an application with a technique; without the layer from shortly before the judged frames on, as nothing has to settle.
     ///
     /// # Errors
     /// Those of the harness, and an application that does not come to its end.
     pub fn of(subject: &Subject, effort: Effort, technique: &Technique) -> Result<Self, HarnessError> {
+        let run_up = effort.of(technique).run_up;
+        let (subject, effort) = (&subject.later(effort.run_up - run_up), Effort { run_up, ..effort });
         let scenario = with_pictures(subject.scenario(effort), effort);
         let run = subject.run_as(technique, effort, &scenario)?.counted();
         let outcome = run.finish()?.expect_frames(effort.length())?;
@@ -60,7 +62,11 @@ impl Observed {
     /// # Errors
     /// As for [`judge`].
     pub fn judge(&self, test: &Self) -> Result<Report, HarnessError> {
-        judge(&self.subject, &self.scenario, &self.outcome, &test.outcome)
+        judge_runs(self.judged(), test.judged())
+    }
+
+    fn judged(&self) -> JudgedRun<'_> {
+        JudgedRun { subject: &self.subject, scenario: &self.scenario, outcome: &self.outcome }
     }
 
     /// Largest difference from `test` up to so many degrees from the true gaze, code values, in the frame of the picture, of both
@@ -69,10 +75,10 @@ impl Observed {
     /// # Errors
     /// [`HarnessError::File`] where a picture is not there.
     pub fn fovea_max_error(&self, test: &Self, radius_deg: f32) -> Result<u8, HarnessError> {
-        let frame = shown(self.effort);
         let mut largest = 0;
         for eye in 0..self.scenario.views.len() {
-            let [before, after] = [self.outcome.eye(eye, frame)?, test.outcome.eye(eye, frame)?];
+            let picture = |run: &Self| run.outcome.eye(eye, shown(run.effort));
+            let [before, after] = [picture(self)?, picture(test)?];
             let view = self.view(eye);
             let inside = |x, y| view.eccentricity_deg(&before, x, y) <= radius_deg;
             largest = largest.max(max_difference(&before, &after, inside));

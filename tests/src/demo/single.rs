@@ -105,6 +105,7 @@ fn later(exhibit: &Exhibit) -> Exhibit {
         subject: exhibit.subject.later(skipped),
         timed: Effort { frames: timed.frames / 2, ..timed },
         counted: shorter(exhibit.counted),
+        warming: exhibit.warming,
         weight: exhibit.weight,
     }
 }

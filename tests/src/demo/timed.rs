@@ -2,7 +2,7 @@
 
 use super::{Exhibit, work};
 use crate::HarnessError;
-use crate::measure::{Effort, Player, Samples, Technique, play_in_turn, start_all};
+use crate::measure::{Effort, Player, Samples, Subject, Technique, play_in_turn, start_all};
 use crate::progress::Progress;
 use parafovea_manifest::status::Status;
 use std::thread::sleep;
@@ -16,6 +16,9 @@ const DECIDING: u64 = 2700;
 
 /// Most time that the gate has for its decision.
 const DECIDING_TIME: Duration = Duration::from_secs(60);
+
+/// Frames after the run-up within which the first trial begins where there is one: status files are up to a second old.
+const BEFORE_TRIAL: u64 = 90;
 
 /// Frames between two looks at the status.
 const LOOK: u64 = 15;
@@ -47,16 +50,23 @@ pub fn time(
     let none = || Timed { cpu_ms: Samples::default(), status: None };
     let mut all: Vec<Timed> = techniques.iter().map(|_| none()).collect();
     // Players are stopped as soon as they are not needed any more.
-    let longest = Effort { frames: DECIDING + effort.frames + ASKING, ..effort };
+    let longest = Effort { frames: DECIDING + exhibit.warming + effort.frames + ASKING, ..effort };
     for turn in 1..=effort.turns {
         let names: Vec<&str> = techniques.iter().map(|technique| technique.name.as_str()).collect();
         let step = format!("{}: turn {turn} of {}, {}", exhibit.name(), effort.turns, names.join(" | "));
         progress.next(&step);
-        let mut players = start_all(&exhibit.subject, techniques, longest, false, |_, _| {})?;
-        let deciding = decide(&mut players, techniques, effort.run_up);
+        let start = |subject: &Subject, techniques| start_all(subject, techniques, longest, false, |_, _| {});
+        let (baseline, layers) = techniques.split_at(1);
+        let mut decided = start(&exhibit.subject, layers)?;
+        let deciding = decide(&mut decided, effort.run_up);
+        // Timed frames are the same ones of the script.
+        let mut players = start(&exhibit.subject.later(deciding), baseline)?;
+        players.append(&mut decided);
+        play_in_turn(&mut players, exhibit.warming);
         play_in_turn(&mut players, effort.frames);
         for ((mut player, technique), timed) in players.into_iter().zip(techniques).zip(&mut all) {
-            let run_up = effort.of(technique).run_up + deciding;
+            let deciding = if technique.has_layer() { deciding } else { 0 };
+            let run_up = effort.of(technique).run_up + deciding + exhibit.warming;
             if turn == effort.turns && technique.has_layer() {
                 timed.status = status(&mut player, run_up + effort.frames);
             }
@@ -69,25 +79,28 @@ pub fn time(
     Ok(all)
 }
 
-/// Lets all, which have had `run_up` frames, play on until no gate of theirs has a decision to make, and returns the frames that took.
-fn decide(players: &mut [Player], techniques: &[Technique], run_up: u64) -> u64 {
+/// Lets all, which have had `run_up` frames, play on until no gate has a decision to make, and returns the frames that took.
+fn decide(players: &mut [Player], run_up: u64) -> u64 {
     let start = Instant::now();
     let mut frames = 0;
-    while frames < DECIDING && start.elapsed() < DECIDING_TIME && has_undecided(players, techniques, run_up) {
+    while frames < DECIDING
+        && start.elapsed() < DECIDING_TIME
+        && players.iter().any(|player| is_undecided(player.status(), run_up))
+    {
         play_in_turn(players, LOOK);
         frames += LOOK;
     }
     frames
 }
 
-/// Whether a layer has a decision to make; one whose status is of the first `run_up` frames may have.
-fn has_undecided(players: &[Player], techniques: &[Technique], run_up: u64) -> bool {
-    let layers = players.iter().zip(techniques).filter(|(_, technique)| technique.has_layer());
-    let is_undecided = |status: Status| {
-        let is_on_trial = status.backend != "none" && status.rates_gate.is_on_trial;
-        status.inert.is_empty() && (status.frames < run_up || is_on_trial)
-    };
-    layers.map(|(player, _)| player.status()).any(|status| status.is_none_or(is_undecided))
+/// Whether a layer with that status has a decision to make: its first trial may be yet to come, or one is under way.
+fn is_undecided(status: Option<Status>, run_up: u64) -> bool {
+    status.is_none_or(|status| {
+        let gate = &status.rates_gate;
+        let may_begin = status.frames < run_up + BEFORE_TRIAL && gate.mode == "auto" && gate.ratio.is_none();
+        let is_on_trial = status.backend != "none" && gate.is_on_trial;
+        status.inert.is_empty() && (is_on_trial || may_begin)
+    })
 }
 
 /// The status that the layer writes after so many frames.

@@ -95,11 +95,32 @@ pub fn judge(
     reference: &Outcome,
     test: &Outcome,
 ) -> Result<Report, HarnessError> {
-    let failed = |error| test.failed(&format!("its pictures cannot be judged: {error}"));
+    let run = |outcome| JudgedRun { subject, scenario, outcome };
+    judge_runs(run(reference), run(test))
+}
+
+/// A run whose pictures are judged.
+#[derive(Clone, Copy)]
+pub struct JudgedRun<'a> {
+    /// The application, and the script of head and eyes.
+    pub subject: &'a Subject,
+    /// Its scenario, [`with_pictures`].
+    pub scenario: &'a Scenario,
+    /// Its outcome.
+    pub outcome: &'a Outcome,
+}
+
+/// As [`judge`], of two runs that come to the same frames of the script after different run-ups.
+///
+/// # Errors
+/// As [`judge`].
+pub fn judge_runs(reference: JudgedRun, test: JudgedRun) -> Result<Report, HarnessError> {
+    let failed = |error| test.outcome.failed(&format!("its pictures cannot be judged: {error}"));
     let mut judge = Judge::new(viewing()).map_err(failed)?;
-    for &frame in &scenario.output.save_frames {
-        let [before, after] = [reference, test].map(|outcome| shown(subject, scenario, outcome, frame));
-        judge.push(&before?, &after?).map_err(failed)?;
+    let frames = |run: JudgedRun| run.scenario.output.save_frames.clone();
+    for (before, after) in frames(reference).into_iter().zip(frames(test)) {
+        let shown = |run: JudgedRun, frame| shown(run.subject, run.scenario, run.outcome, frame);
+        judge.push(&shown(reference, before)?, &shown(test, after)?).map_err(failed)?;
     }
     Ok(judge.finish())
 }

@@ -207,11 +207,21 @@ impl Subject {
             Program::Scene => self.scene(technique, effort)?,
             Program::HelloXr => Application::hello_xr("Vulkan2")?,
             Program::Style(name) => {
-                let [size, frames] =
-                    [u64::from(effort.size), effort.length()].map(|number| number.to_string());
+                let [size, frames, first] = [u64::from(effort.size), effort.length(), self.first_frame]
+                    .map(|number| number.to_string());
                 // With actions, like nearly every application: the layer adds the gaze to them. One without gets the layer's own after half
                 // a minute, which no run here lasts.
-                let arguments = ["--style", name, "--size", &size, "--frames", &frames, "--actions"];
+                let arguments = [
+                    "--style",
+                    name,
+                    "--size",
+                    &size,
+                    "--frames",
+                    &frames,
+                    "--first-frame",
+                    &first,
+                    "--actions",
+                ];
                 Application::ours("parafovea-zoo", &arguments)?
             }
         };

@@ -35,6 +35,8 @@ pub struct App<'g> {
 pub struct Frame<'f> {
     /// Its number, from 0.
     pub index: u64,
+    /// Its number in the animation.
+    pub animated: u64,
     /// Which of the frames in flight it is: its part of the uniforms.
     pub slot: usize,
     /// Being recorded; submitted afterwards.

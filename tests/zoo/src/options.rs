@@ -18,6 +18,9 @@ pub struct Options {
     /// Frames after which it asks for the end of the session
     #[arg(long, default_value_t = 120)]
     pub frames: u64,
+    /// Frame of the animation that is drawn first
+    #[arg(long, default_value_t = 0)]
+    pub first_frame: u64,
     /// Of the style `random`: which frames it records
     #[arg(long, default_value_t = 0)]
     pub seed: u64,

@@ -264,9 +264,10 @@ impl<'g> Show<'g> {
         let slot = self.slots.next(self.gpu)?;
         let frame = Frame {
             index: self.frame,
+            animated: self.options.first_frame + self.frame,
             slot: slot.index,
             commands: slot.commands,
-            uniforms: Uniforms::new(self.frame, &views, Projection::default()),
+            uniforms: Uniforms::new(self.options.first_frame + self.frame, &views, Projection::default()),
             views: &views,
             color: acquire(&mut self.color)?,
             depth: acquire(&mut self.depth)?,

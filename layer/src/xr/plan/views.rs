@@ -86,6 +86,7 @@ fn views_located(session: &Session, active: &Active, info: &xr::ViewLocateInfo, 
     if is_planned {
         state.thread.begin(FrameTask { config, time_ns: time.as_nanos(), inputs: None, expected });
     } else {
+        watch(session, (active, &config), time);
         plan(session, (active, &config), time, expected);
     }
 }
@@ -177,8 +178,16 @@ pub(super) fn plan(
     }
 }
 
+/// Asks the eye tracker, where the frame is not planned but a gate waits for a saccade or a blink.
+pub(super) fn watch(session: &Session, (active, config): (&Active, &ConfigSnapshot), time: xr::Time) {
+    let state = &active.plan;
+    if state.planning().only_watches(config, active.health() == Health::Works) {
+        look(session, state, config, time);
+    }
+}
+
 /// Asks the eye tracker, and returns how the head is turned at `time`.
-pub(super) fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time) -> Quat {
+fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time) -> Quat {
     let look = session.gaze.look(session, config, time);
     let head = session.head_in_world(time);
     if let Some(reason) = state.planning().look(config, look, head, time.as_nanos()) {

@@ -30,7 +30,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let pipelines = Pipelines { far: 0.0, ..made };
     Ok(Box::new(move |frame| {
         let projection = Projection { reversed: true, ..Projection::default() };
-        app.scene.write(frame.slot, &Uniforms::new(frame.index, frame.views, projection));
+        app.scene.write(frame.slot, &Uniforms::new(frame.animated, frame.views, projection));
         for eye in EYES {
             app.show(frame, &eyes[eye][frame.color[eye]], &pipelines, eye);
         }

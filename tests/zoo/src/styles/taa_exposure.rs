@@ -71,7 +71,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let expose = screen(shader!("taa", "expose_fs"), &shown[0][0].target)?;
     Ok(Box::new(move |frame| {
         let projection = Projection { jitter: jitter(frame.index, app.size), ..Projection::default() };
-        app.scene.write(frame.slot, &Uniforms::new(frame.index, frame.views, projection));
+        app.scene.write(frame.slot, &Uniforms::new(frame.animated, frame.views, projection));
         let new = (frame.index % 2) as usize;
         for (index, eye) in eyes.iter().enumerate() {
             if frame.index == 0 {
