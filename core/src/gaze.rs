@@ -49,9 +49,9 @@ pub enum GazePhase {
 /// The gaze as the models use it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeState {
-    /// Where each eye looks at the time asked for, left first, unit vectors in the space of [`GazeSample::directions`];
-    /// where it is about to land in a saccade, the last known ones in a blink and when lost, straight ahead (-z) before there
-    /// were any. Both are the same where the source has one ray for both eyes: see [`Self::with_vergence`].
+    /// Where each eye looks at the time asked for, left first, unit vectors in the space of [`GazeSample::directions`]:
+    /// on the way of a saccade or where it will have landed by then, the last known ones in a blink and when lost, straight ahead
+    /// (-z) before there were any. Both are the same where the source has one ray for both eyes: see [`Self::with_vergence`].
     pub directions: [Vec3; 2],
     /// The ray of the gaze, a unit vector, if `directions` are for an assumed distance ([`Self::with_nearest`]); the centre of areas around
     /// one point.

@@ -56,7 +56,7 @@ Usage: cargo dev TASK, in any folder of the repository
                         and GPU time, written to tests/gpu-results/; then run the matrix of `drivers`
   bench NAME [--json]   run a benchmark:
                         break-even (pixel cost above which the layer saves time), budget (shading and loss of ways to choose rates), ears (cost and latency of sound capture),
-                        frame (saving of each technique), gate (decisions of the benefit gate on simulated applications), kernels (cost per view of audio-visual rates and of chroma attenuation),
+                        frame (saving of each technique), gate (decisions of the benefit gate on simulated applications), gaze (errors of the predicted gaze), kernels (cost per view of audio-visual rates and of chroma attenuation),
                         models (cost and accuracy of the models), safety (shading and loss of contrast while the eyes move),
                         recognition (precision and recall on frame graphs of engines),
                         reuse (errors of temporal re-use during head rotation),

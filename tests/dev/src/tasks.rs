@@ -11,11 +11,12 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 11] = [
+const BENCHES: [(&str, &str); 12] = [
     ("break-even", "parafovea-tests"),
     ("budget", "parafovea-models"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
+    ("gaze", "parafovea-models"),
     ("kernels", "parafovea-layer"),
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),

@@ -14,6 +14,7 @@ mod tracker;
 
 pub use baselines::{OneEuro, TUNED};
 pub use path::{Event, EyePath, HALF_IPD_M, Look};
+pub use random::Random;
 pub use region::{Region, union_area_deg2};
 pub use report::{Row, rows, table};
 pub use score::{Follower, Method, Radius, Score, follow, foveal_radii_deg};

@@ -10,6 +10,7 @@ pub mod chroma_report;
 pub mod debug_views;
 pub mod eyes;
 pub mod hard_cases;
+pub mod prediction;
 pub mod reference;
 pub mod room;
 pub mod safety;

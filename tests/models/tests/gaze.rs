@@ -180,3 +180,29 @@ fn one_region_of_both_eyes_is_what_geometry_says() {
     assert!((union_area_deg2(5.0, 11.0) / (2.0 * cap) - 1.0).abs() < 1e-12);
     assert!((union_area_deg2(5.0, 0.0) / cap - 1.0).abs() < 1e-12);
 }
+
+/// The table of `cargo dev bench gaze`, at four of its lines: the eye movements are those of the committed table, and the errors of the
+/// tracker before are undercut where a sample has told of a saccade, and nowhere exceeded.
+#[test]
+fn the_gaze_at_display_time_is_nearer_to_the_eyes_than_before() {
+    use parafovea_models::prediction::{Frames, Predictor, SEEDS, before, measure};
+    for (rate_hz, delay_ms) in [(20.0, 30.0), (60.0, 50.0), (120.0, 10.0), (240.0, 80.0)] {
+        let before = before(rate_hz, delay_ms).expect("a line of tests/baselines/gaze.md");
+        let newest = measure(Predictor::NewestSample, rate_hz, delay_ms, &SEEDS).mean_deg(Frames::Saccades);
+        assert!(
+            (newest - before.newest_sample_deg).abs() < 0.001,
+            "other eye movements: {newest}, {before:?}"
+        );
+        let now = measure(Predictor::Tracker, rate_hz, delay_ms, &SEEDS);
+        let ratios: Vec<f64> = Frames::ALL
+            .iter()
+            .zip(before.tracker_deg)
+            .map(|(frames, before)| now.mean_deg(*frames) / before)
+            .collect();
+        let most = [0.95, 0.75, 1.0, 1.005];
+        assert!(
+            ratios.iter().zip(most).all(|(ratio, most)| *ratio <= most),
+            "{rate_hz} Hz, {delay_ms} ms: {ratios:?}"
+        );
+    }
+}

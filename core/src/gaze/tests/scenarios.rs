@@ -337,7 +337,7 @@ fn samples_in_the_wrong_order_are_dropped_with_a_reason() {
 
 #[test]
 fn the_eyes_are_awaited_where_a_saccade_will_land() {
-    // Of 12 to 28 degrees at 120 Hz: half-way, the landing is known within a third of the remaining way.
+    // Of 12 to 28 degrees at 120 Hz: half-way, the landing is known within three tenths of the amplitude, by eyes of any pace.
     for amplitude_deg in [12.0, 20.0, 28.0f32] {
         let (mut tracker, time) = late(-10.0, 8);
         let lasts_ms = 21.0 + 2.2 * amplitude_deg;
@@ -351,7 +351,7 @@ fn the_eyes_are_awaited_where_a_saccade_will_land() {
             if (0.55..0.9).contains(&s) {
                 assert_eq!(state.phase, GazePhase::Saccade, "{amplitude_deg} at {s}");
                 let error_deg = state.prediction_error_deg.expect("a landing");
-                assert!(off_deg < 0.2 * amplitude_deg, "{amplitude_deg} at {s}: {off_deg} off");
+                assert!(off_deg < 0.3 * amplitude_deg, "{amplitude_deg} at {s}: {off_deg} off");
                 assert!(off_deg < 2.0 * error_deg + 0.5, "{off_deg} off, {error_deg} admitted");
                 awaited.push(off_deg);
             }

@@ -26,7 +26,7 @@ const LONGEST_ALLOWANCE_S: f32 = 0.1;
 const JUMP_SIGMAS: f32 = 4.5;
 
 /// Turning is told from noise at so many standard deviations, and is over at so many.
-const TURNING_SIGMAS: [f32; 2] = [3.5, 2.5];
+const TURNING_SIGMAS: [f32; 2] = [3.5, 2.0];
 
 /// Scatter of a tracker's samples, standard deviation along either axis, degrees; before it is measured.
 const USUAL_NOISE_DEG: f32 = 0.3;
@@ -40,6 +40,24 @@ const NOISE_GAIN: f32 = 0.03;
 /// Least samples in a line before the next one measures noise.
 const NOISE_COUNT: u16 = 6;
 
+/// Samples that are kept beside the line, in which a saccade may have begun unseen.
+const EARLIER: usize = 3;
+
+/// For how long a saccade may be unseen, nanoseconds: in 17 ms it goes 1.3 degrees far.
+const UNSEEN_NS: i64 = 25_000_000;
+
+/// Least samples in a line before others are told to lie aside of it.
+const SHIFT_COUNT: u16 = 4;
+
+/// How far samples have to lie aside together, as a part of how far one has to alone.
+const LEAST_SHIFT: f32 = 0.5;
+
+/// The eyes have landed where the newest sample is no farther aside than this many times the mean of it and those before.
+const LANDED: f32 = 1.15;
+
+/// Least samples in a line before its slope counts as turning: the first ones may be the tail of a saccade.
+const TURNING_COUNT: u16 = 5;
+
 /// Not plausible: faster than eyes turn.
 #[derive(Debug)]
 pub(super) struct Implausible;
@@ -47,6 +65,8 @@ pub(super) struct Implausible;
 /// Eye movement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
+    /// The newest sample that was believed.
+    sample: EyeSample,
     line: LineFit,
     /// Present in a saccade.
     saccade: Option<SaccadePath>,
@@ -59,6 +79,8 @@ pub(super) struct Motion {
     suspect: Option<EyeSample>,
     noise_deg: f32,
     interval_s: f32,
+    /// The newest samples in the line, newest first, and the line before each.
+    earlier: [Option<(LineFit, EyeSample)>; EARLIER],
 }
 
 /// How the eyes turn.
@@ -73,6 +95,7 @@ impl Motion {
     /// Nothing is known of before.
     pub(super) fn new(sample: EyeSample) -> Self {
         Self {
+            sample,
             line: LineFit::new(sample),
             saccade: None,
             settled_ns: sample.time_ns,
@@ -81,6 +104,7 @@ impl Motion {
             suspect: None,
             noise_deg: USUAL_NOISE_DEG,
             interval_s: 0.0,
+            earlier: [None; EARLIER],
         }
     }
 
@@ -104,12 +128,15 @@ impl Motion {
     ) -> Result<(), Implausible> {
         let newest = *self.newest();
         let repeated = sample.time_ns.saturating_sub(newest.time_ns) < LEAST_STEP_NS;
+        if repeated && self.sample.directions == sample.directions && self.suspect.is_none() {
+            return Ok(());
+        }
         let seconds = if repeated { 0.0 } else { sample.seconds_since(newest.time_ns) };
         let allowance_deg = (PURSUIT_ONSET_DEG_S + head_deg_s) * seconds.min(LONGEST_ALLOWANCE_S);
         let limit_deg = settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) + allowance_deg;
         let missed_deg = match &self.saccade {
             Some(_) => sample.angle_deg(newest.directions),
-            None => sample.angle_deg(self.line.at(sample.time_ns)),
+            None => sample.angle_deg(self.expected(seconds)),
         };
         // After a sample in doubt, the next one confirms it or the one before.
         if missed_deg > limit_deg && (self.suspect.is_some() || missed_deg > FASTEST_DEG_S * seconds) {
@@ -119,19 +146,27 @@ impl Motion {
             return Ok(());
         }
         self.suspect = None;
+        self.sample = sample;
         self.note_interval(seconds);
         match self.saccade {
             Some(saccade) => self.add_to_saccade(settings, saccade, sample, head_deg_s),
-            None if missed_deg > limit_deg => {
-                let start = EyeSample { directions: self.line.at(newest.time_ns), ..newest };
-                self.saccade = Some(SaccadePath::new(start, sample, self.noise_deg));
-                self.turning = false;
-            }
-            None => {
-                self.note_noise(missed_deg);
-                self.line.add(sample, self.memory(settings));
-                self.turning = self.is_turning(settings);
-            }
+            None if missed_deg > limit_deg => self.leave(sample),
+            None => match self.shifted(settings, sample, head_deg_s) {
+                Some(line) => {
+                    self.line = line;
+                    self.earlier = [None; EARLIER];
+                    self.settled_ns = sample.time_ns;
+                    self.has_landed = false;
+                    self.turning = false;
+                }
+                None => {
+                    self.note_noise(missed_deg);
+                    self.earlier.rotate_right(1);
+                    self.earlier[0] = Some((self.line, sample));
+                    self.line.add(sample, self.memory(settings));
+                    self.turning = self.is_turning(settings);
+                }
+            },
         }
         Ok(())
     }
@@ -176,13 +211,16 @@ impl Motion {
     /// Where the eyes are `ahead_s` after the newest sample, and how far that may be off where it is a prediction, degrees.
     pub(super) fn directions(&self, settings: &GazeSettings, ahead_s: f32) -> ([Vec3; 2], Option<f32>) {
         match &self.saccade {
-            Some(saccade) => (saccade.landing.directions, Some(saccade.landing.error_deg)),
+            Some(saccade) => {
+                let (directions, error_deg) = saccade.ahead(ahead_s);
+                (directions, Some(error_deg))
+            }
             None if self.turning => {
                 // The pursued object may have stopped anywhere on this way: the standard deviation of an even distribution.
                 let way_deg = self.line.speed_deg_s() * ahead_s.max(settings.latency_ms * 1e-3);
                 (self.line.ahead(ahead_s), Some(way_deg / 12f32.sqrt()))
             }
-            None => (self.line.newest().directions, None),
+            None => (self.line.estimate(self.noise_deg, false, ahead_s), None),
         }
     }
 
@@ -194,6 +232,58 @@ impl Motion {
             (None, false) => 0.0,
         };
         speed.min(FASTEST_DEG_S)
+    }
+
+    /// A saccade has shown in a sample; it may have begun in those before.
+    fn leave(&mut self, sample: EyeSample) {
+        let unseen = self.earlier.iter().map_while(|earlier| {
+            earlier.filter(|(_, before)| sample.time_ns.saturating_sub(before.time_ns) < UNSEEN_NS)
+        });
+        let (mut line, mut before, mut count) = (self.line, [sample; EARLIER], 0);
+        for (earlier, unseen) in unseen {
+            line = earlier;
+            before[count] = unseen;
+            count += 1;
+        }
+        before[..count].reverse();
+        let directions = line.estimate(self.noise_deg, self.turning, 0.0);
+        let start = EyeSample { directions, ..*line.newest() };
+        self.saccade = Some(SaccadePath::new(start, &before[..count], sample, self.noise_deg));
+        self.earlier = [None; EARLIER];
+        self.turning = false;
+    }
+
+    /// The line through the newest samples alone, where these together, of which none is a jump, lie aside of where they were
+    /// expected: the eyes have landed nearby.
+    fn shifted(&self, settings: &GazeSettings, sample: EyeSample, head_deg_s: f32) -> Option<LineFit> {
+        let missed = |line: &LineFit, sample: &EyeSample| {
+            let expected =
+                line.estimate(self.noise_deg, self.turning, sample.seconds_since(line.newest().time_ns));
+            0.5 * (sample.directions[0] - expected[0] + sample.directions[1] - expected[1])
+        };
+        let mut samples = 1.0;
+        (0..EARLIER).find_map(|last| {
+            let (line, first) = self.earlier[last].filter(|(line, _)| line.count() >= SHIFT_COUNT)?;
+            samples += 1.0;
+            let (newest, before) = (missed(&line, &sample), self.earlier[..=last].iter().flatten());
+            let mean = (newest + before.map(|(_, sample)| missed(&line, sample)).sum::<Vec3>()) / samples;
+            let seconds = sample.seconds_since(line.newest().time_ns).min(LONGEST_ALLOWANCE_S);
+            let least_deg = LEAST_SHIFT * settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg);
+            let limit_deg = least_deg.max(JUMP_SIGMAS * self.noise_deg / f32::sqrt(samples))
+                + 0.5 * (PURSUIT_ONSET_DEG_S + head_deg_s) * seconds;
+            let has_landed = newest.dot(mean) < LANDED * mean.length_squared();
+            (has_landed && mean.length().to_degrees() > limit_deg).then(|| {
+                let mut line = LineFit::new(first);
+                let after = self.earlier[..last].iter().flatten().rev().map(|(_, sample)| *sample);
+                after.chain([sample]).for_each(|sample| line.add(sample, self.memory(settings)));
+                line
+            })
+        })
+    }
+
+    /// Where the line is in some seconds from its newest sample.
+    fn expected(&self, seconds: f32) -> [Vec3; 2] {
+        self.line.estimate(self.noise_deg, self.turning, seconds)
     }
 
     /// A jump that no eye makes: either one sample is wrong, or the next one is there too.
@@ -219,19 +309,12 @@ impl Motion {
         head_deg_s: f32,
     ) {
         let before = *saccade.newest();
-        let slow_deg_s = settings.saccade_end_deg_s.max(0.0) + head_deg_s;
-        let still_deg = slow_deg_s * sample.seconds_since(before.time_ns) + 3.0 * self.noise_deg;
-        let back_deg = sample.angle_deg(self.line.at(sample.time_ns));
+        let back_deg = sample.angle_deg(self.expected(sample.seconds_since(self.line.newest().time_ns)));
         if saccade.is_single() && back_deg < settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) {
             // One sample was off, and the eyes never left.
             self.saccade = None;
             self.line.add(sample, self.memory(settings));
-        } else if sample.angle_deg(before.directions) < still_deg {
-            self.saccade = None;
-            self.line = LineFit::new(sample);
-            self.settled_ns = sample.time_ns;
-            self.has_landed = true;
-        } else if sample.time_ns.saturating_sub(saccade.first_ns()) > LONGEST_SACCADE_NS {
+        } else if sample.time_ns.saturating_sub(saccade.shown_ns()) > LONGEST_SACCADE_NS {
             self.saccade = None;
             self.line = LineFit::through(&before, sample);
             self.settled_ns = sample.time_ns;
@@ -240,11 +323,24 @@ impl Motion {
         } else {
             let mut saccade = saccade;
             saccade.add(sample, self.noise_deg);
-            self.saccade = Some(saccade);
+            let slow_deg_s = settings.saccade_end_deg_s.max(0.0) + head_deg_s;
+            let still_deg = slow_deg_s * sample.seconds_since(before.time_ns) + 3.0 * self.noise_deg;
+            if saccade.has_landed() && sample.angle_deg(before.directions) < still_deg {
+                self.saccade = None;
+                self.line = LineFit::new(sample);
+                self.settled_ns = saccade.landed_ns();
+                self.has_landed = true;
+            } else {
+                self.saccade = Some(saccade);
+            }
         }
     }
 
     fn is_turning(&self, settings: &GazeSettings) -> bool {
+        // The first ones may be a tail of what was before.
+        if self.line.count() < TURNING_COUNT.min(self.memory(settings)) {
+            return false;
+        }
         let sigmas = TURNING_SIGMAS[usize::from(self.turning)];
         let least = settings.pursuit_deg_s.max(sigmas * self.line.speed_noise_deg_s(self.noise_deg));
         self.line.speed_deg_s() > least
@@ -265,9 +361,9 @@ impl Motion {
         if self.line.count() < NOISE_COUNT {
             return;
         }
-        // Along two axes, and where it was expected is off as well.
-        let n = f32::from(self.line.count());
-        let square = 0.5 * missed_deg * missed_deg / (1.0 + 4.0 / n);
+        // Along two axes, and where it was expected is off as well: the end of a line by 4 / n, a mean by 1 / n.
+        let off = if self.turning { 4.0 } else { 1.0 } / f32::from(self.line.count());
+        let square = 0.5 * missed_deg * missed_deg / (1.0 + off);
         let mean = self.noise_deg * self.noise_deg;
         let noise = (mean + NOISE_GAIN * (square.min(9.0 * mean) - mean)).sqrt();
         self.noise_deg = noise.clamp(*NOISE_DEG.start(), *NOISE_DEG.end());

@@ -2,17 +2,18 @@
 //!
 //! Saccades are ballistic: how long one takes follows from how far it goes (main sequence: 21 ms + 2.2 ms a degree, Carpenter
 //! 1988), and in between it follows nearly the path of least jerk (Flash and Hogan 1985). So the samples since it left say
-//! how likely each amplitude is, and with it each place of landing.
+//! how likely each amplitude, departure and pace is, and with these where the eyes are at any later time.
 
 use super::line_fit::EyeSample;
 use crate::geometry::eccentricity;
 use glam::{Quat, Vec3};
+use std::iter;
 
 /// Samples that are kept, evenly enough over the longest saccade.
-const KEPT: usize = 16;
+const KEPT: usize = 10;
 
 /// Least time between two that are kept: the longest saccade has room.
-const KEPT_STEP_NS: i64 = 8_000_000;
+const KEPT_STEP_NS: i64 = 7_500_000;
 
 /// Amplitudes that are weighed, from the least on, each larger by the same factor; degrees.
 const AMPLITUDES: usize = 28;
@@ -23,50 +24,92 @@ const AMPLITUDE_FACTOR: f32 = 1.145;
 const USUAL_AMPLITUDE_DEG: f32 = 10.0;
 
 /// Times of departure that are weighed.
-const DEPARTURES: u8 = 10;
+const DEPARTURES: usize = 12;
 
-/// How long a saccade may have been on its way before it showed: 10 to 17 ms take it, by its amplitude, 1.3 degrees far.
-const UNSEEN_S: f32 = 0.02;
+/// Sum of squared misses, in standard deviations, from which on a course has a likelihood of 0.
+const MOST_MISSES: f32 = 170.0;
 
-/// Unseen distance from its start, standard deviation, degrees.
-const UNSEEN_DEG: f32 = 0.6;
+/// Durations beside the main sequence's, and how usual they are: single saccades and single people differ by about 15 % (Bahill,
+/// Clark and Stark 1975).
+const PACES: [(f32, f32); 3] = [(0.85, 0.25), (1.0, 0.5), (1.2, 0.25)];
+
+/// How long it may have been on its way before the sample in which it certainly was not, seconds: a rest of doubt.
+const UNSEEN_S: f32 = 0.005;
+
+/// Part of its duration after which less than 1 % of its way is left.
+const LANDED: f32 = 0.9;
 
 /// By how much a path may differ from that of least jerk, part of its amplitude.
 const PATH_ERROR: f32 = 0.04;
 
-/// A saccade in saccade.
+/// A saccade under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SaccadePath {
-    /// Where it left, and when it certainly had not left for long.
+    /// Where it left, and a time at which it had not left, or just so.
     start: EyeSample,
     samples: [EyeSample; KEPT],
     count: usize,
-    /// The newest sample, kept or not.
+    /// When the last sample was taken that did not show it, and the first that did.
+    left_ns: i64,
+    shown_ns: i64,
+    /// The newest sample.
     newest: EyeSample,
     /// Speed over the last step, degrees a second.
     pub(super) speed_deg_s: f32,
-    /// Where it will land, as far as the newest sample tells.
+    /// Its landing, as far as the newest sample tells.
     pub(super) landing: Landing,
 }
 
-/// Where a saccade will land.
+/// Landing of a saccade.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Landing {
-    pub(super) directions: [Vec3; 2],
     /// Standard deviation, degrees.
     pub(super) error_deg: f32,
     /// When, by the main sequence from the last sample before the saccade showed: no later than it is expected.
     pub(super) time_ns: i64,
+    /// When hardly any of the way is left, by the course.
+    nearly_ns: i64,
+    course: Course,
+}
+
+/// Course of a saccade: the median of the amplitudes, and means of the others at that.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    /// Axis about which the eyes turn.
+    axis: Vec3,
+    amplitude_deg: f32,
+    /// Standard deviation of the amplitude.
+    deviation_deg: f32,
+    /// From the start of the saccade to the departure, seconds.
+    departure_s: f32,
+    duration_s: f32,
 }
 
 impl SaccadePath {
-    /// One that has just shown; samples scatter by `noise_deg`.
-    pub(super) fn new(start: EyeSample, first: EyeSample, noise_deg: f32) -> Self {
-        let seconds = first.seconds_since(start.time_ns);
-        let speed_deg_s = first.angle_deg(start.directions) / seconds;
-        let landing = Landing { directions: first.directions, error_deg: 0.0, time_ns: start.time_ns };
-        let mut saccade =
-            Self { start, samples: [first; KEPT], count: 1, newest: first, speed_deg_s, landing };
+    /// One that has just shown in `shown`, after samples since the start that did not show it; samples scatter by `noise_deg`.
+    pub(super) fn new(start: EyeSample, before: &[EyeSample], shown: EyeSample, noise_deg: f32) -> Self {
+        let last = before.last().unwrap_or(&start);
+        let seconds = shown.seconds_since(last.time_ns);
+        let speed_deg_s = shown.angle_deg(last.directions) / seconds;
+        let mut samples = [shown; KEPT];
+        samples[..before.len()].copy_from_slice(before);
+        let landing = Landing {
+            error_deg: 0.0,
+            time_ns: start.time_ns,
+            nearly_ns: start.time_ns,
+            course: Course::NONE,
+        };
+        let count = before.len() + 1;
+        let mut saccade = Self {
+            start,
+            samples,
+            count,
+            left_ns: last.time_ns,
+            shown_ns: shown.time_ns,
+            newest: shown,
+            speed_deg_s,
+            landing,
+        };
         saccade.landing = saccade.predicted(noise_deg);
         saccade
     }
@@ -76,9 +119,11 @@ impl SaccadePath {
         let seconds = sample.seconds_since(self.newest.time_ns);
         self.speed_deg_s = sample.angle_deg(self.newest.directions) / seconds;
         self.newest = sample;
-        let last = self.samples[self.count - 1];
-        let replaced = sample.time_ns.saturating_sub(last.time_ns) < KEPT_STEP_NS || self.count == KEPT;
-        if !(replaced && self.count > 1) {
+        // The newest one is always among those that are kept, and takes the place of one that is too near to the one before.
+        let before = self.count.checked_sub(2).map(|index| self.samples[index].time_ns);
+        let replaced = before
+            .is_some_and(|before| self.samples[self.count - 1].time_ns.saturating_sub(before) < KEPT_STEP_NS);
+        if !replaced {
             self.count = (self.count + 1).min(KEPT);
         }
         self.samples[self.count - 1] = sample;
@@ -89,35 +134,58 @@ impl SaccadePath {
         &self.newest
     }
 
-    /// Whether there is one sample only.
+    /// Whether one sample alone shows it.
     pub(super) fn is_single(&self) -> bool {
-        self.newest.time_ns == self.samples[0].time_ns
+        self.newest.time_ns == self.shown_ns
     }
 
-    /// When its first sample was taken.
-    pub(super) fn first_ns(&self) -> i64 {
-        self.samples[0].time_ns
+    /// When the sample was taken that showed it.
+    pub(super) fn shown_ns(&self) -> i64 {
+        self.shown_ns
+    }
+
+    /// Where the eyes are some seconds after the newest sample, and by how much that may be off, degrees.
+    pub(super) fn ahead(&self, seconds: f32) -> ([Vec3; 2], f32) {
+        let course = &self.landing.course;
+        let gone_deg = course.gone_deg(self.newest.seconds_since(self.start.time_ns) + seconds);
+        let turn = Quat::from_axis_angle(course.axis, gone_deg.to_radians());
+        (self.start.directions.map(|from| (turn * from).normalize_or(from)), self.landing.error_deg)
+    }
+
+    /// Whether it has landed by its newest sample.
+    pub(super) fn has_landed(&self) -> bool {
+        self.landing.nearly_ns <= self.newest.time_ns
+    }
+
+    /// When it landed, if it has: rather too early, so that changes are not taken to go unnoticed for too long.
+    pub(super) fn landed_ns(&self) -> i64 {
+        self.landing.time_ns.min(self.landing.nearly_ns)
     }
 
     /// Where it will land, from all samples so far.
     fn predicted(&self, noise_deg: f32) -> Landing {
         let start = middle(&self.start);
-        let now = middle(&self.newest);
-        let gone_deg = eccentricity(start, now).to_degrees();
-        let (mean_deg, deviation_deg) = self.amplitude(start, now, noise_deg);
+        let samples = &self.samples[..self.count];
+        // What is farther away tells more of the direction.
+        let away: Vec3 = samples.iter().map(|sample| middle(sample) - start).sum::<Vec3>();
+        let toward = (start + away).normalize_or(start);
+        let gone_deg = eccentricity(start, middle(&self.newest)).to_degrees();
+        let course = self.course(start, toward, noise_deg);
         // Across its way it is as uncertain as the way so far tells its direction.
-        let across_deg = noise_deg * mean_deg / gone_deg.max(noise_deg);
-        let turn = Quat::from_axis_angle(axis(start, now), mean_deg.to_radians());
+        let across_deg = noise_deg * course.amplitude_deg / gone_deg.max(noise_deg);
+        let after = |time_ns: i64, seconds: f32| time_ns.saturating_add((f64::from(seconds) * 1e9) as i64);
         Landing {
-            directions: self.start.directions.map(|from| (turn * from).normalize_or(from)),
-            error_deg: deviation_deg.hypot(across_deg),
-            time_ns: self.start.time_ns.saturating_add((f64::from(duration_s(mean_deg)) * 1e9) as i64),
+            error_deg: course.deviation_deg.hypot(across_deg),
+            time_ns: after(self.left_ns, duration_s(course.amplitude_deg)),
+            nearly_ns: after(self.start.time_ns, course.departure_s + LANDED * course.duration_s),
+            course,
         }
     }
 
-    /// Mean and standard deviation of the amplitude, degrees.
-    fn amplitude(&self, start: Vec3, now: Vec3, noise_deg: f32) -> (f32, f32) {
-        let away = (now - start * now.dot(start)).normalize_or_zero();
+    /// The course towards a direction.
+    fn course(&self, start: Vec3, toward: Vec3, noise_deg: f32) -> Course {
+        let axis = axis(start, toward);
+        let away = axis.cross(start);
         let mut gone = [(0.0f32, 0.0f32); KEPT];
         for (gone, sample) in gone.iter_mut().zip(&self.samples[..self.count]) {
             let direction = middle(sample);
@@ -126,37 +194,109 @@ impl SaccadePath {
         }
         let gone = &gone[..self.count];
         // It left between the sample before the start and the first that shows it.
-        let window = UNSEEN_S + 0.95 * gone[0].0;
-        let (mut weights, mut mean, mut square) = (0.0f32, 0.0f32, 0.0f32);
+        let shown_s = (self.shown_ns.saturating_sub(self.start.time_ns) as f64 * 1e-9) as f32;
+        let window = UNSEEN_S + 0.95 * shown_s;
+        let farthest = gone.iter().map(|(_, angle)| *angle).fold(0.0, f32::max);
+        let step = window / (DEPARTURES - 1) as f32;
+        let departures: [f32; DEPARTURES] = std::array::from_fn(|index| step * index as f32 - UNSEEN_S);
+        let mut likelihoods = [Likelihood::default(); AMPLITUDES];
         let mut amplitude = LEAST_AMPLITUDE_DEG;
-        for _ in 0..AMPLITUDES {
-            let scatter = noise_deg.hypot(PATH_ERROR * amplitude);
-            let duration = duration_s(amplitude);
-            let mut ways = 0.0f32;
-            for departure in 0..DEPARTURES {
-                let left = window * f32::from(departure) / f32::from(DEPARTURES - 1) - UNSEEN_S;
-                let away = |at: f32| amplitude * minimum_jerk((at - left) / duration);
-                let at_rest = (away(0.0) / scatter.hypot(UNSEEN_DEG)).powi(2);
-                let missed = |(at, angle): &(f32, f32)| ((angle - away(*at)) / scatter).powi(2);
-                ways += (-0.5 * (at_rest + gone.iter().map(missed).sum::<f32>())).exp();
-            }
+        for likelihood in &mut likelihoods {
+            likelihood.amplitude_deg = amplitude;
             // Each step stands for a range of amplitudes that is as wide as it is large.
-            let usual = amplitude * (-amplitude / USUAL_AMPLITUDE_DEG).exp();
-            let weight = usual * ways / scatter.powi(gone.len() as i32);
-            weights += weight;
-            mean += weight * amplitude;
-            square += weight * amplitude * amplitude;
+            let scatter = noise_deg.hypot(PATH_ERROR * amplitude);
+            if ((farthest - amplitude).max(0.0) / scatter).powi(2) > MOST_MISSES {
+                amplitude *= AMPLITUDE_FACTOR;
+                continue;
+            }
+            let usual =
+                amplitude * (-amplitude / USUAL_AMPLITUDE_DEG).exp() / scatter.powi(gone.len() as i32);
+            for (pace, share) in PACES {
+                let duration = pace * duration_s(amplitude);
+                // One lane a departure.
+                let mut misses = [0.0f32; DEPARTURES];
+                for (at, angle) in iter::once(&(0.0, 0.0)).chain(gone) {
+                    for (misses, left) in misses.iter_mut().zip(&departures) {
+                        let way = minimum_jerk((at - left) * duration.recip());
+                        let missed = (angle - amplitude * way) * scatter.recip();
+                        *misses += missed * missed;
+                    }
+                }
+                for (misses, left) in misses.into_iter().zip(departures) {
+                    if misses < MOST_MISSES {
+                        likelihood.add(share * usual * (-0.5 * misses).exp(), left, duration);
+                    }
+                }
+            }
             amplitude *= AMPLITUDE_FACTOR;
         }
+        Course::of(axis, &likelihoods).unwrap_or_else(|| {
+            // Like no saccade at all: it is where its newest sample is.
+            let (at, gone) = gone[gone.len() - 1];
+            let amplitude_deg = gone.abs();
+            Course {
+                axis,
+                amplitude_deg,
+                deviation_deg: 0.25 * amplitude_deg,
+                departure_s: at - 1.0,
+                duration_s: 1.0,
+            }
+        })
+    }
+}
+
+/// Likelihood of an amplitude, and sums over the departures and durations that it is likely with.
+#[derive(Clone, Copy, Debug, Default)]
+struct Likelihood {
+    amplitude_deg: f32,
+    weight: f32,
+    departures: f32,
+    durations: f32,
+}
+
+impl Likelihood {
+    fn add(&mut self, weight: f32, departure_s: f32, duration_s: f32) {
+        self.weight += weight;
+        self.departures += weight * departure_s;
+        self.durations += weight * duration_s;
+    }
+}
+
+impl Course {
+    /// Until something is known.
+    const NONE: Self =
+        Self { axis: Vec3::Y, amplitude_deg: 0.0, deviation_deg: 0.0, departure_s: 0.0, duration_s: 1.0 };
+
+    /// Angle from the start, degrees, so many seconds after it.
+    fn gone_deg(&self, seconds: f32) -> f32 {
+        self.amplitude_deg * minimum_jerk((seconds - self.departure_s) / self.duration_s)
+    }
+
+    /// Of the median amplitude, from which the least error is to be expected; `None` where none is likely.
+    fn of(axis: Vec3, likelihoods: &[Likelihood; AMPLITUDES]) -> Option<Self> {
+        let whole: f32 = likelihoods.iter().map(|likelihood| likelihood.weight).sum();
         // NaN is not more either.
-        let told = weights > f32::MIN_POSITIVE;
+        let told = whole > f32::MIN_POSITIVE;
         if !told {
-            // Like no saccade at all: as far as it is, and half as far again.
-            let gone = gone[gone.len() - 1].1.abs();
-            return (gone, 0.25 * gone);
+            return None;
         }
-        let mean = mean / weights;
-        (mean, (square / weights - mean * mean).max(0.0).sqrt())
+        let mut less = 0.0;
+        let median = likelihoods.iter().find(|likelihood| {
+            less += likelihood.weight;
+            less >= 0.5 * whole
+        })?;
+        // The part of its step, of those that are no larger than it.
+        let part = (less - 0.5 * whole) / median.weight;
+        let amplitude_deg = median.amplitude_deg * AMPLITUDE_FACTOR.powf(0.5 - part);
+        let square =
+            |likelihood: &Likelihood| likelihood.weight * (likelihood.amplitude_deg - amplitude_deg).powi(2);
+        Some(Self {
+            axis,
+            amplitude_deg,
+            deviation_deg: (likelihoods.iter().map(square).sum::<f32>() / whole).sqrt(),
+            departure_s: median.departures / median.weight,
+            duration_s: median.durations / median.weight,
+        })
     }
 }
 
