@@ -15,6 +15,7 @@ mod frame;
 mod gaze;
 mod instance;
 mod negotiate;
+mod offer;
 mod plan;
 mod proc_addr;
 mod session;

@@ -14,7 +14,7 @@ use std::path::Path;
 
 pub use crate::options::Config;
 pub use error::{ConfigError, ConfigErrors};
-pub use lookup::Places;
+pub use lookup::{Places, offers_gaze};
 pub use parse::parse;
 pub use read::MAX_BYTES;
 pub use watch::Watch;

@@ -32,12 +32,13 @@ pub fn audio_library_path(data: &Path) -> PathBuf {
 }
 
 /// Steps that install the `library` below `data` (`$XDG_DATA_HOME`); none where all is in place. The library
-/// that listens is taken from beside `library`; where there is none, none is installed.
+/// that listens is taken from beside `library`; where there is none, none is installed. `offers_gaze`: a configuration gives the gaze to
+/// applications, so the loader is to list the extension for that.
 ///
 /// # Errors
 ///
 /// `library` is not the layer, or in the place of one of our files is one that is not ours.
-pub fn plan_install(data: &Path, library: &Path) -> Result<Vec<Step>, InstallError> {
+pub fn plan_install(data: &Path, library: &Path, offers_gaze: bool) -> Result<Vec<Step>, InstallError> {
     let bytes = fs::read(library).map_err(InstallError::io(library))?;
     if !is_layer(&bytes) {
         return Err(InstallError::NotTheLayer(library.to_owned()));
@@ -52,7 +53,7 @@ pub fn plan_install(data: &Path, library: &Path) -> Result<Vec<Step>, InstallErr
     let named = installed.to_str().ok_or_else(|| InstallError::NotText(installed.clone()))?;
     for half in Half::BOTH {
         let path = half.manifest_path(data);
-        let text = half.manifest(named, Activation::Implicit);
+        let text = implicit_manifest(half, named, offers_gaze);
         if installed_manifest(half, &path)?.as_deref() != Some(&text) {
             steps.push(Step::Write { path, text });
         }
@@ -105,14 +106,22 @@ fn plan_audio(data: &Path, built: &Path) -> Result<Option<Step>, InstallError> {
 }
 
 /// Lays out one half below `data` (as `$XDG_DATA_HOME`) with the library where it is: for tests and tools that
-/// point the loaders there.
+/// point the loaders there. `offers_gaze` as for [`plan_install`].
 ///
 /// # Errors
 ///
 /// The manifest cannot be written, or the path of the library is not UTF-8.
-pub fn stage(data: &Path, half: Half, library: &Path) -> Result<(), InstallError> {
+pub fn stage(data: &Path, half: Half, library: &Path, offers_gaze: bool) -> Result<(), InstallError> {
     let named = library.to_str().ok_or_else(|| InstallError::NotText(library.to_owned()))?;
-    Step::Write { path: half.manifest_path(data), text: half.manifest(named, Activation::Implicit) }.apply()
+    Step::Write { path: half.manifest_path(data), text: implicit_manifest(half, named, offers_gaze) }.apply()
+}
+
+fn implicit_manifest(half: Half, library: &str, offers_gaze: bool) -> String {
+    if offers_gaze {
+        half.manifest_with_eye_gaze(library)
+    } else {
+        half.manifest(library, Activation::Implicit)
+    }
 }
 
 /// The manifest at `path`, if there is one.

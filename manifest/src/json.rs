@@ -13,6 +13,9 @@ pub const ENABLE_VARIABLE: &str = "PARAFOVEA";
 /// Turns both halves off where it is set, whatever else is.
 pub const DISABLE_VARIABLE: &str = "DISABLE_PARAFOVEA";
 
+/// The extension by which applications get the gaze.
+pub const EYE_GAZE_EXTENSION: &str = "XR_EXT_eye_gaze_interaction";
+
 /// Major and minor version of Vulkan that the layer works with. Loaders drop an implicit layer whose version is
 /// below the application's.
 pub const VULKAN_VERSION: [u32; 2] = [1, 4];
@@ -68,6 +71,31 @@ impl Half {
     /// The manifest. Both loaders look for a `library` that is a bare name on the library path, for a relative
     /// path below the manifest's folder.
     pub fn manifest(self, library: &str, activation: Activation) -> String {
+        format!("{:#}\n", self.value(library, activation))
+    }
+
+    /// The implicit manifest for a user who gives the gaze to applications (`gaze.offer`): the OpenXR loader lists the extension wherever the
+    /// layer is enabled.
+    pub fn manifest_with_eye_gaze(self, library: &str) -> String {
+        let mut file = self.value(library, Activation::Implicit);
+        if self == Self::OpenXr {
+            // The newest revision of the extension.
+            file[self.section()]["instance_extensions"] =
+                json!([{ "name": EYE_GAZE_EXTENSION, "extension_version": "2" }]);
+        }
+        format!("{file:#}\n")
+    }
+
+    /// Whether a manifest lists eye gaze among the layer's extensions.
+    pub fn lists_eye_gaze(self, text: &str) -> bool {
+        serde_json::from_str::<Value>(text).is_ok_and(|value| {
+            let extensions = value[self.section()]["instance_extensions"].as_array();
+            extensions
+                .is_some_and(|list| list.iter().any(|extension| extension["name"] == EYE_GAZE_EXTENSION))
+        })
+    }
+
+    fn value(self, library: &str, activation: Activation) -> Value {
         let mut layer = json!({
             "name": self.layer_name(),
             "library_path": library,
@@ -99,7 +127,7 @@ impl Half {
             layer["disable_environment"] = variable(DISABLE_VARIABLE);
         }
         file[self.section()] = layer;
-        format!("{file:#}\n")
+        file
     }
 
     /// Whether `text` is a manifest of this layer, of this version or another.
@@ -169,6 +197,22 @@ mod tests {
                 },
             })
         );
+    }
+
+    #[test]
+    fn a_manifest_with_eye_gaze_has_one_extension_more() {
+        for half in Half::BOTH {
+            let plain = half.manifest("x.so", Activation::Implicit);
+            let listing = half.manifest_with_eye_gaze("x.so");
+            assert!(!half.lists_eye_gaze(&plain) && !half.lists_eye_gaze("{}"));
+            assert_eq!(half.lists_eye_gaze(&listing), half == Half::OpenXr);
+            let mut value: Value = serde_json::from_str(&listing).unwrap();
+            let extensions = value[half.section()].as_object_mut().unwrap().remove("instance_extensions");
+            assert_eq!(value, serde_json::from_str::<Value>(&plain).unwrap());
+            // The loader's own spelling: a number as a string.
+            let expected = json!([{ "name": EYE_GAZE_EXTENSION, "extension_version": "2" }]);
+            assert_eq!(extensions, (half == Half::OpenXr).then_some(expected));
+        }
     }
 
     #[test]

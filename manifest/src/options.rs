@@ -292,6 +292,8 @@ options! {
         osc_scale_deg: f32 = 45.0, 10.0..=60.0 "degrees";
         /// Recording for source = "file": each line has seconds, degrees left and degrees up, separated by commas, or seconds alone while the eyes are lost.
         file: FilePath = FilePath::NONE;
+        /// Permission for the application to read the gaze of source = "osc", "auto" or "file" by XR_EXT_eye_gaze_interaction, where the runtime has no eye gaze; the application may store or send it. Run parafovea install after the first permission, and restart the application.
+        offer: bool = false;
         /// New file for a recording of the gaze, in the format of gaze.file; without this option, no file contains the gaze.
         record: FilePath = FilePath::NONE;
     }

@@ -143,6 +143,8 @@ pub struct Gaze {
     pub blinks: u32,
     /// Saccades since the session began.
     pub saccades: u32,
+    /// Whether the application gets it too (`gaze.offer`).
+    pub is_given: bool,
     /// OSC packets.
     pub osc: Osc,
 }

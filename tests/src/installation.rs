@@ -22,6 +22,8 @@ pub struct Halves {
     pub openxr: Option<PathBuf>,
     /// The library that the Vulkan manifest names.
     pub vulkan: Option<PathBuf>,
+    /// Whether the OpenXR loader lists eye gaze, as after `parafovea install` with `gaze.offer = true`.
+    pub offers_gaze: bool,
 }
 
 /// A folder with everything installed below it.
@@ -81,7 +83,7 @@ impl Installation {
         let data = folder.join("data");
         for (half, library) in [(Half::OpenXr, &halves.openxr), (Half::Vulkan, &halves.vulkan)] {
             if let Some(library) = library {
-                stage(&data, half, library)?;
+                stage(&data, half, library, halves.offers_gaze)?;
             }
         }
         let test_layers = Library::TestLayers.path()?;

@@ -115,6 +115,7 @@ pub struct Run {
     layer: LayerMode,
     library: Option<PathBuf>,
     copies: bool,
+    offers_gaze: bool,
     ears: bool,
     validation: bool,
     test_layers: Vec<TestLayer>,
@@ -135,6 +136,7 @@ impl Run {
             layer: LayerMode::Absent,
             library: None,
             copies: false,
+            offers_gaze: false,
             ears: false,
             validation: false,
             test_layers: Vec::new(),
@@ -167,6 +169,12 @@ impl Run {
     /// Installs the two halves from two copies of the library, at different paths.
     pub fn from_copies(mut self) -> Self {
         self.copies = true;
+        self
+    }
+
+    /// Installs the layer so that the OpenXR loader lists eye gaze among its extensions.
+    pub fn listing_eye_gaze(mut self) -> Self {
+        self.offers_gaze = true;
         self
     }
 
@@ -341,7 +349,11 @@ impl Run {
             (None, true) => link_with_ears(folder)?,
             (None, false) => Library::Parafovea.path()?,
         };
-        let mut halves = Halves { openxr: Some(library.clone()), vulkan: Some(library.clone()) };
+        let mut halves = Halves {
+            openxr: Some(library.clone()),
+            vulkan: Some(library.clone()),
+            offers_gaze: self.offers_gaze,
+        };
         if self.copies {
             for (name, half) in
                 [("copy_openxr.so", &mut halves.openxr), ("copy_vulkan.so", &mut halves.vulkan)]

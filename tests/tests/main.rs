@@ -23,6 +23,7 @@ mod memory;
 mod missing_barriers;
 mod mock_runtime_readme;
 mod native;
+mod offer;
 mod osc;
 mod overhead;
 mod panics;

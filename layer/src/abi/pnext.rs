@@ -70,6 +70,51 @@ impl<'a> Chain<'a> {
     }
 }
 
+/// A structure that is out of its chain until this is dropped: for a call down to somebody who does not know it.
+#[derive(Debug)]
+pub struct Unlinked<T> {
+    link: *mut *mut Header,
+    found: *mut T,
+}
+
+/// Takes the first structure of type `T` out of the chain that `first` points to.
+///
+/// # Safety
+///
+/// `first` points to null or to the first structure of a chain as for [`chain`], which stays valid, and which nobody else uses while the
+/// result lives.
+pub unsafe fn unlink<T: Structure>(first: *mut *mut c_void) -> Option<Unlinked<T>> {
+    let mut link: *mut *mut Header = first.cast();
+    for _ in 0..MAX_LENGTH {
+        // SAFETY: `link` points to `first` or to the pointer in a structure of the chain, which are valid, as `# Safety` demands.
+        unsafe {
+            let found = *link;
+            let header = found.as_ref()?;
+            if header.ty == T::number() {
+                *link = header.next.cast_mut();
+                return Some(Unlinked { link, found: found.cast() });
+            }
+            link = (&raw mut (*found).next).cast();
+        }
+    }
+    None
+}
+
+impl<T> Unlinked<T> {
+    /// The structure.
+    pub fn get(&mut self) -> &mut T {
+        // SAFETY: `unlink` found it by its number, and its caller vouched for the chain while this lives.
+        unsafe { &mut *self.found }
+    }
+}
+
+impl<T> Drop for Unlinked<T> {
+    fn drop(&mut self) {
+        // SAFETY: as above; the structure itself still points to the rest of its chain.
+        unsafe { *self.link = self.found.cast() }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,6 +143,28 @@ mod tests {
             assert_eq!(chain(first).count(), 2);
             assert_eq!(chain(first).find::<Number>().map(|found| found.value), Some(9));
             assert!(chain(std::ptr::null()).find::<Number>().is_none());
+        }
+    }
+
+    #[test]
+    fn a_structure_is_out_of_its_chain_for_a_while() {
+        let mut last = Header { ty: 7, next: std::ptr::null() };
+        let mut number = Number { ty: 5, next: &raw const last, value: 9 };
+        let mut head = Header { ty: 1, next: (&raw const number).cast() };
+        let mut first: *mut c_void = (&raw mut head).cast();
+        // SAFETY: three valid structures, alive to the end of the test.
+        unsafe {
+            let mut unlinked = unlink::<Number>(&raw mut first).unwrap();
+            unlinked.get().value = 4;
+            assert_eq!(chain(first).map(|header| header.ty).collect::<Vec<_>>(), [1, 7]);
+            drop(unlinked);
+            assert_eq!(chain(first).map(|header| header.ty).collect::<Vec<_>>(), [1, 5, 7]);
+            assert_eq!(chain(first).find::<Number>().unwrap().value, 4);
+            first = (&raw mut number).cast();
+            drop(unlink::<Number>(&raw mut first));
+            assert_eq!(chain(first).count(), 2);
+            first = (&raw mut last).cast();
+            assert!(unlink::<Number>(&raw mut first).is_none());
         }
     }
 

@@ -24,6 +24,8 @@ pub struct StatusSnapshot {
     pub backend: u32,
     /// Passes that had maps in the last frame.
     pub passes_matched: u32,
+    /// Whether the application gets the gaze too.
+    pub gaze_is_given: bool,
     /// Where the gaze may come from.
     pub gaze_source: GazeSource,
     /// Where it comes from.
@@ -69,6 +71,7 @@ impl Default for StatusSnapshot {
             frame_rate_hz: 0.0,
             backend: 0,
             passes_matched: 0,
+            gaze_is_given: false,
             gaze_source: GazeSource::Auto,
             gaze_holder: Holder::Centre,
             osc: OscStatus::default(),
@@ -156,6 +159,7 @@ impl StatusSnapshot {
         status::Gaze {
             source: self.gaze_source.name().to_owned(),
             holder: self.gaze_holder.name().to_owned(),
+            is_given: self.gaze_is_given,
             is_valid: self.gaze_is_valid,
             age_ms: self.gaze_age_ms.map(f32::round),
             // Frames see at most one sample each; the packets say how many there are.

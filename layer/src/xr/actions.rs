@@ -11,12 +11,13 @@ mod instance_state;
 mod profiles;
 mod session_state;
 
-pub use instance_state::InstanceActions;
+pub use gaze_action::paths as gaze_paths;
+pub use instance_state::{Headset, InstanceActions};
 pub use session_state::SessionActions;
 
 use super::dispatch::Next;
 use super::instance::{self, Instance, next_of_any};
-use super::session;
+use super::{offer, session};
 use crate::abi::guard;
 use application::Suggested;
 use openxr_sys as xr;
@@ -67,6 +68,9 @@ pub unsafe extern "system" fn create_action_set(
             // SAFETY: the call succeeded, so both pointers are valid.
             let (set, priority) = unsafe { (*action_set, (*info).priority) };
             known.actions.application().note_set(set, priority);
+            if let Some(offer) = &known.offer {
+                offer.input().note_set(set, priority);
+            }
         }
         result
     })
@@ -79,16 +83,34 @@ pub unsafe extern "system" fn create_action(
     action: *mut xr::Action,
 ) -> xr::Result {
     let Some(known) = instance::any_hooked() else { return xr::Result::ERROR_HANDLE_INVALID };
-    // SAFETY: the next layer's function with the application's own arguments.
-    let below = || unsafe { (known.next.create_action)(set, info, action) };
-    guard("xrCreateAction", below, |answer| {
-        let result = answer.record(below());
-        if result.into_raw() >= 0 {
-            // SAFETY: the call succeeded, so `action` points to the new handle.
-            known.actions.application().note_action(unsafe { *action }, set);
-        }
-        result
-    })
+    // SAFETY: the next layer's function with the application's own arguments, or our copy of one.
+    let below = |info| unsafe { (known.next.create_action)(set, info, action) };
+    guard(
+        "xrCreateAction",
+        || below(info),
+        |answer| {
+            // SAFETY: valid usage: `info` is valid.
+            let without_eyes = unsafe { offer::strip_eyes(&known, info) };
+            let result = answer.record(match &without_eyes {
+                None => below(info),
+                Some(paths) => below(&xr::ActionCreateInfo {
+                    count_subaction_paths: paths.len() as u32,
+                    subaction_paths: paths.as_ptr(),
+                    // SAFETY: it was read.
+                    ..unsafe { *info }
+                }),
+            });
+            if result.into_raw() >= 0 {
+                // SAFETY: the call succeeded: `info` is valid, and `action` points to the new handle.
+                let (action, info) = unsafe { (*action, &*info) };
+                known.actions.application().note_action(action, set);
+                if let Some(offer) = &known.offer {
+                    offer.note_action(action, set, info, without_eyes.is_some());
+                }
+            }
+            result
+        },
+    )
 }
 
 /// `xrSuggestInteractionProfileBindings`: the application's suggestion for eye gaze is remembered, because
@@ -111,9 +133,15 @@ pub unsafe extern "system" fn suggest_bindings(
         if known.eye_gaze && !known.eye_gaze_is_asked_for && asked.is_some_and(is_gaze) {
             return answer.record(xr::Result::ERROR_PATH_UNSUPPORTED);
         }
+        // SAFETY: valid usage: the suggestion is valid.
+        if let Some(result) = asked.and_then(|asked| unsafe { offer::suggest(known, asked) }) {
+            return answer.record(result);
+        }
         let result = answer.record(below());
         if let (xr::Result::SUCCESS, Some(asked)) = (result, asked) {
             // SAFETY: the call succeeded, so the suggestion is valid.
+            unsafe { offer::note_suggestion(known, asked) };
+            // SAFETY: as above.
             let suggested = unsafe { Suggested::read(known, asked) };
             known.actions.application().note_suggestion(suggested);
         }
@@ -147,6 +175,10 @@ pub unsafe extern "system" fn attach(
                 let result = answer.record(below(info));
                 if let Some(known) = &known {
                     known.actions.attached_without(result);
+                    if let (true, Some(asked)) = (result.into_raw() >= 0, asked) {
+                        // SAFETY: the call succeeded, so the structure is valid.
+                        unsafe { offer::note_attached(known, asked) };
+                    }
                 }
                 return result;
             };
@@ -192,7 +224,13 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
             // SAFETY: valid usage: `info` is valid.
             let asked = unsafe { info.as_ref() };
             let ours = known.as_ref().and_then(|known| Some((known, known.actions.attached()?)));
-            let (Some(asked), Some((known, gaze))) = (asked, ours) else { return answer.record(below(info)) };
+            let (Some(asked), Some((known, gaze))) = (asked, ours) else {
+                return answer.record(match (asked, &known) {
+                    // SAFETY: valid usage: the structure is valid.
+                    (Some(asked), Some(known)) => unsafe { offer::synchronise(known, asked, below) },
+                    _ => below(info),
+                });
+            };
             known.actions.application_synchronises();
             let mut active: SmallVec<[xr::ActiveActionSet; 16]> = SmallVec::new();
             if !asked.active_action_sets.is_null() {
@@ -242,6 +280,17 @@ pub unsafe extern "system" fn get_current_profile(
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.get_current_interaction_profile)(handle, user, profile) };
     guard("xrGetCurrentInteractionProfile", below, |answer| {
+        if let Some(current) = known.as_ref().and_then(|known| offer::current_profile(known, user)) {
+            // SAFETY: valid usage: the structure is null or valid.
+            return answer.record(match (current, unsafe { profile.as_mut() }) {
+                (Ok(path), Some(profile)) => {
+                    profile.interaction_profile = path;
+                    xr::Result::SUCCESS
+                }
+                (Ok(_), None) => xr::Result::ERROR_VALIDATION_FAILURE,
+                (Err(error), _) => error,
+            });
+        }
         let result = answer.record(below());
         let (true, Some(known)) = (result.into_raw() >= 0, &known) else { return result };
         // SAFETY: the call succeeded, so the structure is valid.
@@ -276,6 +325,10 @@ pub unsafe extern "system" fn poll_event(
             }
             // SAFETY: as above.
             if result != xr::Result::SUCCESS || !unsafe { is_ours(&*event) } {
+                if result == xr::Result::SUCCESS {
+                    // SAFETY: as above.
+                    unsafe { offer::note_event(&*event) };
+                }
                 return answer.record(result);
             }
             // SAFETY: as above; what an application must set before the call.

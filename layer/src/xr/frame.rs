@@ -47,12 +47,9 @@ pub unsafe extern "system" fn wait(
     guard("xrWaitFrame", below, |answer| {
         if let Some(known) = &known {
             known.instance.config.poll(Instant::now());
-            if known.active.is_some() {
-                known.gaze.open(
-                    &known.instance.config.snapshot(),
-                    known.actions.may_have_gaze(),
-                    Instant::now(),
-                );
+            let config = known.instance.config.snapshot();
+            if known.active.is_some() || (known.offer.is_some() && config.gaze.offer) {
+                known.gaze.open(&config, known.actions.may_have_gaze(), Instant::now());
             }
         }
         let result = answer.record(below());

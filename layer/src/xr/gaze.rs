@@ -182,6 +182,29 @@ impl SessionGaze {
         look
     }
 
+    /// Where the eyes look at `time_ns`, for an application that the user gives the gaze to (`gaze.offer`); without a source of the
+    /// layer's own, [`Look::NoTracker`]. The layer's own gaze, its recording and measurements are not touched.
+    pub fn application_look(&self, config: &Config, time_ns: i64) -> Look {
+        match Offered::of(config) {
+            Some(Offered::Packets) => {
+                let look = self.state().osc.application_look(time_ns, latency_ns());
+                let look = turned(look, config.gaze.offset_deg.left_up_deg());
+                self.correction.corrected_for_application(Holder::Osc, look)
+            }
+            Some(Offered::File) => self.scripted(time_ns),
+            None => Look::NoTracker,
+        }
+    }
+
+    /// Whether there is a gaze to give to the application at this moment, be it of closed eyes.
+    pub fn has_gaze_for_application(&self, config: &Config) -> bool {
+        match Offered::of(config) {
+            Some(Offered::Packets) => self.state().osc.has_sender(),
+            Some(Offered::File) => self.state().script.is_some(),
+            None => false,
+        }
+    }
+
     fn scripted(&self, time_ns: i64) -> Look {
         let (script, begin) = {
             let mut state = self.state();
@@ -192,6 +215,29 @@ impl SessionGaze {
         match script.at(seconds_since(begin, time_ns)) {
             Some(direction) => Look::At { direction, sampled_ns: time_ns },
             None => Look::Unseen,
+        }
+    }
+}
+
+/// A source of the layer's own whose gaze applications can get.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offered {
+    /// OSC packets.
+    Packets,
+    /// A file.
+    File,
+}
+
+impl Offered {
+    /// The source that the user gives to applications; `None` if there is none.
+    pub fn of(config: &Config) -> Option<Self> {
+        if !config.enabled || !config.gaze.offer {
+            return None;
+        }
+        match config.gaze.source {
+            GazeSource::Auto | GazeSource::Osc => Some(Self::Packets),
+            GazeSource::File => config.gaze.file.path().map(|_| Self::File),
+            GazeSource::Eyes | GazeSource::Centre => None,
         }
     }
 }

@@ -5,6 +5,7 @@ mod extensions;
 
 use super::actions::InstanceActions;
 use super::dispatch::Next;
+use super::offer::Offer;
 use super::{session, vulkan_activation};
 use crate::abi::{Enablement, attempt, guard};
 use crate::config::{Environment, LiveConfig};
@@ -45,6 +46,8 @@ pub struct Instance {
     pub eye_gaze_is_asked_for: bool,
     /// Its action sets, and ours.
     pub actions: InstanceActions,
+    /// The gaze for an application that asks for it; `None` where the application gets what the runtime has.
+    pub offer: Option<Offer>,
 }
 
 static INSTANCES: Registry<xr::Instance, Known> = Registry::new();
@@ -70,6 +73,11 @@ pub fn any_hooked() -> Option<Arc<Instance>> {
     INSTANCES.find_map(|known| known.hooked.clone())
 }
 
+/// Any instance whose application asked for eye gaze, with an offer of ours.
+pub fn any_offering() -> Option<Arc<Instance>> {
+    INSTANCES.find_map(|known| known.hooked.clone().filter(|instance| instance.offer.is_some()))
+}
+
 /// `xrCreateApiLayerInstance`.
 pub unsafe extern "system" fn create(
     info: *const xr::InstanceCreateInfo,
@@ -81,7 +89,7 @@ pub unsafe extern "system" fn create(
         return xr::Result::ERROR_INITIALIZATION_FAILED;
     };
     // SAFETY: the application's own arguments.
-    let as_asked = || unsafe { below.create(info, instance) };
+    let as_asked = || unsafe { create_as_asked(&below, info, instance) };
     // As if nothing of ours were there; but the loader asks us for all of its functions.
     let inert = || {
         let result = as_asked();
@@ -140,6 +148,40 @@ enum GazeExtension {
     Off,
     Ours,
     Applications,
+    /// The application asked for it, and the runtime does not have it.
+    Missing,
+}
+
+/// Creates the instance as the application asks. A loader lets an extension of our manifest through which the runtime may not have: then
+/// the application gets an instance without it.
+///
+/// # Safety
+///
+/// As for `xrCreateInstance`.
+unsafe fn create_as_asked(
+    below: &Below,
+    info: *const xr::InstanceCreateInfo,
+    instance: *mut xr::Instance,
+) -> xr::Result {
+    // SAFETY: the arguments are valid, as `# Safety` demands.
+    let result = unsafe { below.create(info, instance) };
+    if result != xr::Result::ERROR_EXTENSION_NOT_PRESENT {
+        return result;
+    }
+    // SAFETY: as above.
+    let without = unsafe { info.as_ref() }.map(|info| (info, unsafe { EyeGaze::of(info, None) }));
+    let Some((info, EyeGaze::AskedFor { others, .. })) = without else { return result };
+    // SAFETY: as above, with a copy of the structure.
+    unsafe { below.create(&with_extensions(info, &others), instance) }
+}
+
+/// The structure with other extensions, which are to outlive it.
+fn with_extensions(info: &xr::InstanceCreateInfo, names: &[*const c_char]) -> xr::InstanceCreateInfo {
+    xr::InstanceCreateInfo {
+        enabled_extension_count: names.len() as u32,
+        enabled_extension_names: names.as_ptr(),
+        ..*info
+    }
 }
 
 /// Creates the instance with eye gaze added, where the runtime may have it. Whatever that fails with may be our
@@ -157,7 +199,15 @@ unsafe fn create_with_eye_gaze(
     let mut create = |info: &xr::InstanceCreateInfo| unsafe { below.create(info, handle) };
     // SAFETY: `info` is valid, as `# Safety` demands.
     match unsafe { EyeGaze::of(info, below.offered().as_deref()) } {
-        EyeGaze::AskedFor => (create(info), GazeExtension::Applications),
+        EyeGaze::AskedFor { others, is_missing } => {
+            if !is_missing {
+                let result = create(info);
+                if result != xr::Result::ERROR_EXTENSION_NOT_PRESENT {
+                    return (result, GazeExtension::Applications);
+                }
+            }
+            (create(&with_extensions(info, &others)), GazeExtension::Missing)
+        }
         EyeGaze::Unreadable => (create(info), GazeExtension::Off),
         EyeGaze::NotThere => {
             tracing::info!(
@@ -166,12 +216,7 @@ unsafe fn create_with_eye_gaze(
             (create(info), GazeExtension::Off)
         }
         EyeGaze::Added(names) => {
-            let extended = xr::InstanceCreateInfo {
-                enabled_extension_count: names.len() as u32,
-                enabled_extension_names: names.as_ptr(),
-                ..*info
-            };
-            let result = create(&extended);
+            let result = create(&with_extensions(info, &names));
             if result.into_raw() >= 0 {
                 return (result, GazeExtension::Ours);
             }
@@ -202,14 +247,29 @@ fn track(
         let next = unsafe { Next::load(get) }
             .inspect_err(|missing| tracing::error!("inert: the runtime has no {missing:?}"))
             .ok()?;
+        let is_offered = config.snapshot().gaze.offer;
+        let may_offer = match eye_gaze {
+            // Its system then has no eye gaze without `gaze.offer`.
+            GazeExtension::Missing => true,
+            GazeExtension::Applications => is_offered,
+            GazeExtension::Off | GazeExtension::Ours => false,
+        };
+        let is_known_below = eye_gaze == GazeExtension::Applications;
+        let offer = if may_offer { Offer::new(get, &next, handle, is_known_below) } else { None };
+        if is_offered && offer.is_some() {
+            tracing::info!(
+                "the application asks for XR_EXT_eye_gaze_interaction: unless the runtime has an eye tracker, it gets the gaze of gaze.source (gaze.offer = true)"
+            );
+        }
         Some(Arc::new(Instance {
             handle,
             next,
             application,
             config,
-            eye_gaze: eye_gaze != GazeExtension::Off,
-            eye_gaze_is_asked_for: eye_gaze == GazeExtension::Applications,
+            eye_gaze: matches!(eye_gaze, GazeExtension::Ours | GazeExtension::Applications),
+            eye_gaze_is_asked_for: is_known_below,
             actions: InstanceActions::default(),
+            offer,
         }))
     });
     let known = Known { next_get_instance_proc_addr: below.get_instance_proc_addr, hooked };

@@ -14,6 +14,7 @@ pub use views::{head_in_layer, locate_views, views_shown};
 pub use work::PlanWork;
 
 use super::frame::{History, SortedTiles};
+use super::offer::SessionOffer;
 use super::session::{Active, Health, Session};
 use super::swapchain;
 use super::vulkan_device::{FrameReport, VulkanDevice};
@@ -252,6 +253,7 @@ pub fn status(
     };
     state.planning().write_status(config, &mut snapshot);
     session.gaze.write_status(&mut snapshot);
+    snapshot.gaze_is_given = session.offer.as_ref().is_some_and(SessionOffer::is_given);
     let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
     let Techniques { rates, reuse } = benefit.gates().gates();
     (snapshot.rates, snapshot.reuse) = (rates.into(), reuse.into());

@@ -1,6 +1,6 @@
 //! `xrGetInstanceProcAddr`: our hooks, and the next layer's functions for all else.
 
-use super::{dispatch, instance};
+use super::{dispatch, instance, offer};
 use crate::abi::guard;
 use openxr_sys as xr;
 use openxr_sys::pfn;
@@ -17,10 +17,12 @@ pub unsafe extern "system" fn get(
     let next = || unsafe { (known.next_get_instance_proc_addr)(handle, name, function) };
     guard("xrGetInstanceProcAddr", next, |answer| {
         let result = answer.record(next());
-        if result == xr::Result::SUCCESS && known.hooked.is_some() {
+        if let (xr::Result::SUCCESS, Some(hooked)) = (result, &known.hooked) {
             // SAFETY: the call succeeded, so both pointers are valid (its valid usage).
             unsafe {
-                if let Some(hook) = dispatch::hook(CStr::from_ptr(name)) {
+                let name = CStr::from_ptr(name);
+                let offered = || hooked.offer.as_ref().and_then(|_| offer::hook(name));
+                if let Some(hook) = dispatch::hook(name).or_else(offered) {
                     *function = Some(hook);
                 }
             }

@@ -5,9 +5,10 @@ mod shared;
 
 pub use active::{Active, Health, Tools};
 
-use super::actions::SessionActions;
+use super::actions::{Headset, SessionActions};
 use super::gaze::SessionGaze;
 use super::instance::{self, Instance, next_of_any};
+use super::offer::{self, SessionOffer};
 use super::spaces::{self, LocatedHead, Spaces};
 use super::structures::{VulkanBinding, extending};
 use super::swapchain;
@@ -31,7 +32,7 @@ pub struct Session {
     pub instance: Arc<Instance>,
     /// The state of work on its device; `None` for an inert session.
     pub active: Option<Active>,
-    /// Spaces of ours, if it is active and they could be made.
+    /// Spaces of ours, if it is active or gives the gaze to the application, and they could be made.
     pub spaces: Option<Spaces>,
     /// How the head is turned, by its located views.
     pub head: LocatedHead,
@@ -39,6 +40,8 @@ pub struct Session {
     pub actions: SessionActions,
     /// Where its gaze comes from.
     pub gaze: SessionGaze,
+    /// Actions of the application that get that gaze; `None` where the runtime gives its own, or the application asks for none.
+    pub offer: Option<SessionOffer>,
     /// Tells `parafovea status` of it, where there is a place for that.
     pub reporter: Option<StatusReporter>,
 }
@@ -84,8 +87,10 @@ pub fn find(handle: xr::Session) -> Option<Arc<Session>> {
 
 /// A session of that instance whose application is owed an event about interaction profiles, which it gets now.
 pub fn owed_event(instance: xr::Instance) -> Option<xr::Session> {
-    let owes =
-        |session: &Session| session.instance.handle == instance && session.actions.profiles.take_owed();
+    let owes = |session: &Session| {
+        let owes_for_gaze = || session.offer.as_ref().is_some_and(SessionOffer::take_owed);
+        session.instance.handle == instance && (session.actions.profiles.take_owed() || owes_for_gaze())
+    };
     SESSIONS.find_map(|session| owes(session).then_some(session.handle))
 }
 
@@ -156,9 +161,14 @@ pub(super) unsafe fn track(
     let config = instance.config.snapshot();
     // SAFETY: the device is live, as `# Safety` demands.
     let active = device.ok().map(|device| unsafe { Active::new(device, Arc::clone(&config)) });
-    let headset = active.as_ref().map(|_| instance.headset(system)).unwrap_or_default();
-    let actions = SessionActions::new(headset.reports_eye_gaze);
-    let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
+    let is_asked = active.is_some() || instance.offer.is_some();
+    let headset = if is_asked { instance.headset(system) } else { Headset::default() };
+    let actions = SessionActions::new(active.is_some() && headset.reports_eye_gaze);
+    // The gaze that is given to the application needs no Vulkan.
+    let may_offer = instance.offer.is_some() && !headset.reports_eye_gaze;
+    let needs_spaces = active.is_some() || may_offer;
+    let spaces = if needs_spaces { Spaces::create(&instance.next, handle) } else { None };
+    let offer = spaces.filter(|_| may_offer).map(|_| SessionOffer::default());
     if let Some(active) = &active {
         active.device.set_active(true);
         active.plan.notify_settings(active, &config);
@@ -171,7 +181,7 @@ pub(super) unsafe fn track(
         RecentreRequests::new(&environment, std::process::id(), headset.name, Arc::clone(&correction))
     });
     let gaze = SessionGaze::new(correction);
-    if active.is_some() {
+    if active.is_some() || (offer.is_some() && config.gaze.offer) {
         gaze.open(&config, actions.may_have_gaze(), Instant::now());
     }
     let known = Status {
@@ -184,7 +194,7 @@ pub(super) unsafe fn track(
     };
     let reporter = StatusReporter::begin(&environment, known, Arc::clone(&config.source), requests);
     let head = LocatedHead::default();
-    let session = Session { handle, instance, active, spaces, head, actions, gaze, reporter };
+    let session = Session { handle, instance, active, spaces, head, actions, gaze, offer, reporter };
     SESSIONS.insert(handle, Arc::new(session));
 }
 
@@ -231,6 +241,7 @@ pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
 fn end(session: &Session) {
     swapchain::forget_all_of(session.handle);
     spaces::forget_all_of(session.handle);
+    offer::forget_all_of(session.handle);
     session.gaze.close();
     if let Some(active) = &session.active {
         active.plan.end();

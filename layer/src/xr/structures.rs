@@ -31,6 +31,10 @@ structures! {
     CompositionLayerEquirect2KHR: COMPOSITION_LAYER_EQUIRECT2_KHR;
     CompositionLayerCubeKHR: COMPOSITION_LAYER_CUBE_KHR;
     CompositionLayerDepthInfoKHR: COMPOSITION_LAYER_DEPTH_INFO_KHR;
+    SystemEyeGazeInteractionPropertiesEXT: SYSTEM_EYE_GAZE_INTERACTION_PROPERTIES_EXT;
+    EyeGazeSampleTimeEXT: EYE_GAZE_SAMPLE_TIME_EXT;
+    SpaceVelocity: SPACE_VELOCITY;
+    SpaceVelocities: SPACE_VELOCITIES;
 }
 
 /// The chain that extends `structure`, without itself.

@@ -139,6 +139,7 @@ mod tests {
             noise_deg: Some(0.12),
             blinks: 4,
             saccades: 37,
+            is_given: false,
             osc: Osc {
                 address: "127.0.0.1:9020".to_owned(),
                 format: "VRChat".to_owned(),

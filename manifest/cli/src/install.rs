@@ -1,5 +1,6 @@
 //! `parafovea install` and `parafovea uninstall`.
 
+use parafovea_manifest::config::offers_gaze;
 use parafovea_manifest::install::{InstallError, LIBRARY_NAME, Step, plan_install, plan_uninstall};
 use parafovea_manifest::paths::Environment;
 use std::env;
@@ -47,7 +48,8 @@ To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %comm
             Some(library) => library,
             None => library_beside_this_program().ok_or_else(|| Failure::NoLibrary(places()))?,
         };
-        Ok(plan_install(&scope.data()?, &library)?)
+        let offers_gaze = offers_gaze(&Environment::of_process(false));
+        Ok(plan_install(&scope.data()?, &library, offers_gaze)?)
     })
 }
 

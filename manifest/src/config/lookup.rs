@@ -1,7 +1,9 @@
 //! Which file is the configuration.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::load;
 use crate::paths::{Environment, file_stem};
 
 /// The configuration for all users of the machine.
@@ -53,6 +55,16 @@ impl Places {
     pub fn find(&self, exists: impl Fn(&Path) -> bool) -> Option<&Path> {
         self.files.iter().map(PathBuf::as_path).find(|file| self.named || exists(file))
     }
+}
+
+/// Whether any configuration of the user, of whatever application, gives the gaze to applications.
+pub fn offers_gaze(environment: &Environment) -> bool {
+    let apps = environment.config_home().map(|home| home.join("parafovea/apps"));
+    let entries = apps.and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten().flatten();
+    let of_apps = entries.map(|entry| entry.path()).filter(|path| path.extension() == Some("toml".as_ref()));
+    let of_all = Places::new(environment, None, Path::new("")).files;
+    let mut files = of_apps.chain(of_all).filter(|path| path.is_file());
+    files.any(|path| load(&path).is_ok_and(|config| config.gaze.offer))
 }
 
 #[cfg(test)]
@@ -117,6 +129,25 @@ mod tests {
         assert_eq!(places.find(|file| file == global || file.starts_with("/etc")), Some(global));
         assert_eq!(places.find(|_| true), Some(Path::new("/h/.config/parafovea/apps/app.toml")));
         assert_eq!(places.find(|_| false), None);
+    }
+
+    #[test]
+    fn an_application_s_file_is_enough_to_offer_the_gaze() {
+        let folder = tempfile::tempdir().unwrap();
+        let home = folder.path().to_str().unwrap();
+        let environment = environment(false, &[("XDG_CONFIG_HOME", home)]);
+        let put = |name: &str, text: &str| {
+            let file = folder.path().join("parafovea").join(name);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(file, text).unwrap();
+        };
+        assert!(!offers_gaze(&environment));
+        put("config.toml", "[gaze]\noffer = false\n");
+        put("apps/note.txt", "[gaze]\noffer = true\n");
+        put("apps/wrong.toml", "[gaze]\noffer = 1\n");
+        assert!(!offers_gaze(&environment));
+        put("apps/game.toml", "[gaze]\noffer = true\n");
+        assert!(offers_gaze(&environment));
     }
 
     #[test]

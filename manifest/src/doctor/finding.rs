@@ -1,5 +1,6 @@
 //! One thing that was found.
 
+use crate::config::offers_gaze;
 use crate::install::{InstallError, Step, plan_install};
 use std::fmt;
 use std::path::PathBuf;
@@ -54,7 +55,9 @@ impl Fix {
     pub fn plan(&self, surroundings: &Surroundings) -> Result<Vec<Step>, InstallError> {
         match self {
             Self::Install => match (surroundings.environment.data_home(), &surroundings.shipped) {
-                (Some(data), Some(library)) => plan_install(data, library),
+                (Some(data), Some(library)) => {
+                    plan_install(data, library, offers_gaze(&surroundings.environment))
+                }
                 _ => Ok(Vec::new()),
             },
             Self::Restrict(path) => Ok(vec![Step::Restrict(path.clone())]),

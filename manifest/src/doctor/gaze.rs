@@ -1,8 +1,9 @@
 //! The source of the gaze: which one suits the headset, and which one running applications have.
 
 use super::configuration::in_force;
-use super::{Finding, Surroundings};
+use super::{Finding, Fix, Surroundings};
 use crate::config::Config;
+use crate::json::{EYE_GAZE_EXTENSION, Half};
 use crate::options::{GazeSource, ListenAddress};
 use crate::status::{Status, read_all};
 use std::fs;
@@ -25,6 +26,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     if let Some(config) = in_force(surroundings).1 {
         findings.extend(suitable(surroundings, &config));
         findings.extend(packets(surroundings, &config, &running));
+        findings.extend(offered(surroundings, &config));
     }
     findings
 }
@@ -50,6 +52,40 @@ fn suitable(surroundings: &Surroundings, config: &Config) -> Option<Finding> {
         )
         .advise("set gaze.source = \"auto\", which uses the best source at any time")
     })
+}
+
+/// The gaze that the user gives to applications.
+fn offered(surroundings: &Surroundings, config: &Config) -> Option<Finding> {
+    if !config.gaze.offer {
+        return None;
+    }
+    let source = config.gaze.source;
+    if matches!(source, GazeSource::Eyes | GazeSource::Centre) {
+        return Some(
+            Finding::warning(
+                "gaze-not-offered",
+                format!("gaze.offer = true, but gaze.source = \"{}\" has no gaze for games", source.name()),
+                "Games get the gaze of the OpenXR runtime, or none.",
+            )
+            .advise("set gaze.source = \"osc\", or remove gaze.offer"),
+        );
+    }
+    let manifest = Half::OpenXr.manifest_path(surroundings.environment.data_home()?);
+    // Where another one is in force, the manifests' own findings say so.
+    let text = fs::read_to_string(manifest).ok()?;
+    if Half::OpenXr.lists_eye_gaze(&text) {
+        let found = "games that ask for the gaze get it, and may store or send it (gaze.offer = true)";
+        return Some(Finding::good("gaze-offered", found));
+    }
+    Some(
+        Finding::warning(
+            "gaze-not-listed",
+            format!("gaze.offer = true, but the installed layer does not list {EYE_GAZE_EXTENSION}"),
+            "Games cannot ask for the gaze.",
+        )
+        .advise("parafovea install")
+        .fixed_if(surroundings.shipped.is_some(), Fix::Install),
+    )
 }
 
 /// The port for OSC packets.

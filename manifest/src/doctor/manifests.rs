@@ -2,6 +2,7 @@
 
 use super::layers::{Layer, Layers, Manifest, Unusable};
 use super::{Finding, Fix, Surroundings};
+use crate::config::offers_gaze;
 use crate::install::{library_path, plan_install};
 use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
 use std::fs;
@@ -185,7 +186,8 @@ fn is_outdated(surroundings: &Surroundings) -> Option<Finding> {
     let (data, shipped) = (surroundings.environment.data_home()?, surroundings.shipped.as_ref()?);
     let is_installed =
         library_path(data).is_file() && Half::BOTH.iter().all(|half| half.manifest_path(data).is_file());
-    let differs = plan_install(data, shipped).is_ok_and(|steps| !steps.is_empty());
+    let differs = plan_install(data, shipped, offers_gaze(&surroundings.environment))
+        .is_ok_and(|steps| !steps.is_empty());
     (is_installed && differs).then(|| {
         Finding::warning(
             "outdated",

@@ -33,7 +33,7 @@ impl Machine {
         machine.put("usr/lib/libmonado.so", "");
         machine.put("run/pulse/native", "");
         machine.put("home/.config/parafovea/config.toml", "audio.source = 'system'\n");
-        for step in plan_install(&machine.data(), &machine.path("build/libparafovea.so")).unwrap() {
+        for step in plan_install(&machine.data(), &machine.path("build/libparafovea.so"), false).unwrap() {
             step.apply().unwrap();
         }
         machine

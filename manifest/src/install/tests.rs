@@ -24,7 +24,7 @@ impl Machine {
     }
 
     fn install(&self) -> Vec<Step> {
-        apply(plan_install(&self.data(), &self.built()).unwrap())
+        apply(plan_install(&self.data(), &self.built(), false).unwrap())
     }
 
     fn uninstall(&self) -> Vec<Step> {
@@ -183,17 +183,20 @@ fn the_library_that_listens_is_installed_from_beside_the_layer_and_goes_with_it(
     assert!(!installed.exists() && !machine.data().join("parafovea").exists());
 
     fs::write(&built, "not a library").unwrap();
-    assert!(matches!(plan_install(&machine.data(), &machine.built()), Err(InstallError::NotTheLayer(_))));
+    assert!(matches!(
+        plan_install(&machine.data(), &machine.built(), false),
+        Err(InstallError::NotTheLayer(_))
+    ));
     fs::remove_file(&built).unwrap();
     machine.put(&installed, "mine");
-    assert!(matches!(plan_install(&machine.data(), &machine.built()), Err(InstallError::NotOurs(_))));
+    assert!(matches!(plan_install(&machine.data(), &machine.built(), false), Err(InstallError::NotOurs(_))));
     assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
 }
 
 #[test]
 fn a_plan_alone_changes_nothing() {
     let machine = Machine::new();
-    let steps = plan_install(&machine.data(), &machine.built()).unwrap();
+    let steps = plan_install(&machine.data(), &machine.built(), false).unwrap();
     assert!(!machine.data().exists());
     let said: Vec<_> = steps.iter().map(Step::to_string).collect();
     let data = machine.data().display().to_string();
@@ -209,7 +212,9 @@ fn foreign_files_are_neither_replaced_nor_removed() {
             let machine = Machine::new();
             let path = half.manifest_path(&machine.data());
             machine.put(&path, content);
-            for plan in [plan_install(&machine.data(), &machine.built()), plan_uninstall(&machine.data())] {
+            for plan in
+                [plan_install(&machine.data(), &machine.built(), false), plan_uninstall(&machine.data())]
+            {
                 assert!(matches!(plan, Err(InstallError::NotOurs(named)) if named == path));
             }
             assert_eq!(fs::read_to_string(&path).unwrap(), content);
@@ -238,11 +243,11 @@ fn a_link_in_our_place_is_not_followed() {
 fn only_the_layer_is_installed() {
     let machine = Machine::new();
     let missing = machine.folder.path().join("missing.so");
-    let message = plan_install(&machine.data(), &missing).unwrap_err().to_string();
+    let message = plan_install(&machine.data(), &missing, false).unwrap_err().to_string();
     assert_eq!(message, format!("{}: No such file or directory (os error 2)", missing.display()));
     for content in ["", "text", "\u{7f}ELF but of something else"] {
         fs::write(machine.built(), content).unwrap();
-        let message = plan_install(&machine.data(), &machine.built()).unwrap_err().to_string();
+        let message = plan_install(&machine.data(), &machine.built(), false).unwrap_err().to_string();
         assert_eq!(message, format!("{}: not a Parafovea library", machine.built().display()));
     }
     assert!(!machine.data().exists());
@@ -251,7 +256,7 @@ fn only_the_layer_is_installed() {
 #[test]
 fn a_stage_has_the_halves_that_were_asked_for() {
     let machine = Machine::new();
-    stage(&machine.data(), Half::Vulkan, Path::new("/build/libparafovea.so")).unwrap();
+    stage(&machine.data(), Half::Vulkan, Path::new("/build/libparafovea.so"), false).unwrap();
     let path = Half::Vulkan.manifest_path(&machine.data());
     assert_eq!(files(&machine.data()), std::slice::from_ref(&path));
     let text = fs::read_to_string(path).unwrap();

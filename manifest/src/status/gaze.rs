@@ -26,7 +26,8 @@ impl fmt::Display for Gaze {
             (false, Some(age)) => format!("lost for {:.1} s", age / 1000.0),
             (false, None) => "none".to_owned(),
         };
-        write!(f, "{source}: {state}{}", self.packets())
+        let given = if self.is_given { ", given to the application" } else { "" };
+        write!(f, "{source}: {state}{given}{}", self.packets())
     }
 }
 
@@ -64,7 +65,9 @@ mod tests {
         let vrchat = Osc { format: "VRChat".to_owned(), ..at("", 9) };
         let fresh =
             Gaze { is_valid: true, age_ms: Some(58.0), rate_hz: Some(120.0), ..gaze("auto", "osc", vrchat) };
+        let given = Gaze { is_given: true, ..fresh.clone() };
         for (gaze, line) in [
+            (given, "OSC (VRChat): valid, 120 Hz, 58 ms old at display time, given to the application"),
             (fresh, "OSC (VRChat): valid, 120 Hz, 58 ms old at display time"),
             (gaze("auto", "eyes", Osc::default()), "eye tracker: none"),
             (gaze("file", "file", Osc::default()), "file: none"),

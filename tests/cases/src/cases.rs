@@ -108,6 +108,8 @@ cases! {
     input::gaze => looks_at_the_gaze_itself [c"XR_EXT_eye_gaze_interaction"],
     input::gaze => looks_at_the_gaze_with_priority [c"XR_EXT_eye_gaze_interaction"],
     input::gaze => looks_at_the_gaze_in_two_sets [c"XR_EXT_eye_gaze_interaction"],
+    input::gaze => finds_the_gaze_in_every_space [c"XR_EXT_eye_gaze_interaction"],
+    input::gaze => tells_eyes_from_hands [c"XR_EXT_eye_gaze_interaction"],
     input::gaze => suggests_gaze_without_its_extension,
     input::gaze => suggests_gaze_in_each_session [c"XR_EXT_eye_gaze_interaction"],
 }

@@ -174,13 +174,95 @@ impl<'a> Controls<'a> {
         ));
     }
 
+    /// Synchronises a set for these subaction paths.
+    pub fn sync_paths(&self, session: &Session, set: xr::ActionSet, users: &[xr::Path]) {
+        let active: Vec<_> =
+            users.iter().map(|user| xr::ActiveActionSet { action_set: set, subaction_path: *user }).collect();
+        let result = sync(self.app, session.handle, &active);
+        self.traced("sync", result);
+    }
+
+    /// Notes the sources of an action.
+    pub fn sources(&self, session: &Session, action: xr::Action) -> Result<(), Failure> {
+        let info = xr::BoundSourcesForActionEnumerateInfo {
+            ty: xr::BoundSourcesForActionEnumerateInfo::TYPE,
+            next: null(),
+            action,
+        };
+        let (mut count, mut sources) = (0, [xr::Path::NULL; 4]);
+        let enumerate = self.app.xr.functions.enumerate_bound_sources;
+        // SAFETY: the session and the action are live; the array has the capacity that is passed.
+        let result = unsafe { enumerate(session.handle, &info, 4, &mut count, sources.as_mut_ptr()) };
+        let gaze = self.path(GAZE_POSE)?;
+        let has_gaze = result.into_raw() >= 0 && sources[..count as usize].contains(&gaze);
+        self.trace(format!("sources: {} {count} gaze {has_gaze}", name(result)));
+        Ok(())
+    }
+
+    /// Notes where a space is in another, and whether the time of its sample is known and not later than asked for.
+    pub fn location(&self, what: &str, space: xr::Space, base: xr::Space, frame: &Frame) {
+        let mut sample = xr::EyeGazeSampleTimeEXT::out(null_mut());
+        let mut location = xr::SpaceLocation::out(sample.as_mut_ptr().cast());
+        let locate = self.app.xr.functions.locate_space;
+        // SAFETY: the spaces are live; the structures outlive the call.
+        let (result, sample, location) = unsafe {
+            (*sample.as_mut_ptr()).time = xr::Time::from_nanos(0);
+            (*location.as_mut_ptr()).pose = IDENTITY;
+            let result = locate(space, base, frame.display_time, location.as_mut_ptr());
+            (result, sample.assume_init(), location.assume_init())
+        };
+        let sampled = sample.time.as_nanos();
+        let is_sampled = (1..=frame.display_time.as_nanos()).contains(&sampled);
+        let flags = location.location_flags;
+        self.trace(format!(
+            "{what}: {} {flags:?} sampled {is_sampled}{}",
+            name(result),
+            numbers(&location.pose)
+        ));
+    }
+
+    /// Notes where the views are in a space.
+    pub fn views(&self, session: &Session, space: xr::Space, frame: &Frame) {
+        let info = xr::ViewLocateInfo {
+            ty: xr::ViewLocateInfo::TYPE,
+            next: null(),
+            view_configuration_type: xr::ViewConfigurationType::PRIMARY_STEREO,
+            display_time: frame.display_time,
+            space,
+        };
+        let mut state = xr::ViewState::out(null_mut());
+        let view =
+            xr::View { ty: xr::View::TYPE, next: null_mut(), pose: IDENTITY, fov: xr::Fovf::default() };
+        let (mut views, mut count) = ([view; 2], 0);
+        let locate = self.app.xr.functions.locate_views;
+        // SAFETY: the session and the space are live; the array has the capacity that is passed.
+        let (result, state) = unsafe {
+            (*state.as_mut_ptr()).view_state_flags = xr::ViewStateFlags::EMPTY;
+            let result = locate(session.handle, &info, state.as_mut_ptr(), 2, &mut count, views.as_mut_ptr());
+            (result, state.assume_init())
+        };
+        let poses: String = views.iter().map(|view| numbers(&view.pose)).collect();
+        self.trace(format!("views: {} {:?}{poses}", name(result), state.view_state_flags));
+    }
+
     /// Notes whether a pose is active, and where it is in LOCAL.
     pub fn pose(&self, session: &Session, action: xr::Action, space: xr::Space, frame: &Frame) {
+        self.pose_of(session, (action, xr::Path::NULL), space, frame);
+    }
+
+    /// The same for a subaction path.
+    pub fn pose_of(
+        &self,
+        session: &Session,
+        (action, user): (xr::Action, xr::Path),
+        space: xr::Space,
+        frame: &Frame,
+    ) {
         let mut state = xr::ActionStatePose::out(null_mut());
         let functions = &self.app.xr.functions;
         // SAFETY: the session, the action and the spaces are live; the structures outlive the calls.
         let (active, located, location) = unsafe {
-            let info = get_info(action, xr::Path::NULL);
+            let info = get_info(action, user);
             let active = (functions.get_pose)(session.handle, &info, state.as_mut_ptr());
             let mut location = xr::SpaceLocation::out(null_mut());
             (*location.as_mut_ptr()).pose = IDENTITY;
@@ -201,11 +283,21 @@ impl<'a> Controls<'a> {
 
     /// A space that an action moves.
     pub fn space(&self, session: &Session, action: xr::Action) -> Result<Option<xr::Space>, Failure> {
+        self.space_of(session, action, xr::Path::NULL)
+    }
+
+    /// The same for a subaction path.
+    pub fn space_of(
+        &self,
+        session: &Session,
+        action: xr::Action,
+        subaction_path: xr::Path,
+    ) -> Result<Option<xr::Space>, Failure> {
         let info = xr::ActionSpaceCreateInfo {
             ty: xr::ActionSpaceCreateInfo::TYPE,
             next: null(),
             action,
-            subaction_path: xr::Path::NULL,
+            subaction_path,
             pose_in_action_space: IDENTITY,
         };
         let mut space = xr::Space::NULL;
@@ -253,6 +345,12 @@ pub fn sync(app: &App, session: xr::Session, active: &[xr::ActiveActionSet]) -> 
     };
     // SAFETY: the session and the action sets are live; the structures outlive the call.
     unsafe { (app.xr.functions.sync_actions)(session, &info) }
+}
+
+/// A pose in numbers: orientation, and position.
+fn numbers(pose: &xr::Posef) -> String {
+    let (xr::Quaternionf { x, y, z, w }, position) = (pose.orientation, pose.position);
+    format!(" {x} {y} {z} {w} {} {} {}", position.x, position.y, position.z)
 }
 
 fn get_info(action: xr::Action, subaction_path: xr::Path) -> xr::ActionStateGetInfo {

@@ -60,7 +60,7 @@ fn parse(arguments: Vec<OsString>) -> Result<Request, String> {
 fn become_command(request: Request) -> Result<std::convert::Infallible, String> {
     let library = Library::Parafovea.path().map_err(|error| error.to_string())?;
     let stage = target_folder().map_err(|error| error.to_string())?.join("stage");
-    let halves = Halves { openxr: Some(library.clone()), vulkan: Some(library) };
+    let halves = Halves { openxr: Some(library.clone()), vulkan: Some(library), ..Halves::default() };
     let installation = Installation::new(&stage, &halves).map_err(|error| error.to_string())?;
     let mut command = Command::new(&request.command[0]);
     command.args(&request.command[1..]).envs([installation.search_path()]).env("PARAFOVEA", "1");

@@ -114,6 +114,8 @@ cases! {
     looks_at_the_gaze_itself,
     looks_at_the_gaze_with_priority,
     looks_at_the_gaze_in_two_sets,
+    finds_the_gaze_in_every_space,
+    tells_eyes_from_hands,
     suggests_gaze_without_its_extension,
     suggests_gaze_in_each_session,
 }

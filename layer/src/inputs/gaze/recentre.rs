@@ -24,6 +24,15 @@ struct State {
     measurement: Option<Measurement>,
 }
 
+impl State {
+    fn corrected(&self, source: Holder, look: Look) -> Look {
+        match self.correction {
+            Some((corrected, offset_deg)) if corrected == source => turned(look, offset_deg),
+            _ => look,
+        }
+    }
+}
+
 #[derive(Debug, Default)]
 struct Measurement {
     recentring: Recentring,
@@ -50,10 +59,12 @@ impl GazeCorrecting {
             };
             recentring.push(sample, time_ns);
         }
-        match state.correction {
-            Some((corrected, offset_deg)) if corrected == source => turned(look, offset_deg),
-            _ => look,
-        }
+        state.corrected(source, look)
+    }
+
+    /// The same for the application: no measurement takes the sample.
+    pub fn corrected_for_application(&self, source: Holder, look: Look) -> Look {
+        self.state().corrected(source, look)
     }
 
     fn set_correction(&self, correction: Option<&GazeCorrection>) {

@@ -1,6 +1,7 @@
 //! Our action set, with one action: the pose of the gaze.
 
 use crate::xr::dispatch::Next;
+use crate::xr::offer::GazePaths;
 use openxr_sys as xr;
 use std::ffi::{CStr, c_char};
 use std::ptr;
@@ -9,6 +10,7 @@ use std::ptr;
 const PROFILE: &CStr = c"/interaction_profiles/ext/eye_gaze_interaction";
 const GAZE_POSE: &CStr = c"/user/eyes_ext/input/gaze_ext/pose";
 const EYES: &CStr = c"/user/eyes_ext";
+const GAZE_SOURCE: &CStr = c"/user/eyes_ext/input/gaze_ext";
 
 /// The action set with its action; both go with their instance.
 #[derive(Debug, Clone, Copy)]
@@ -155,6 +157,22 @@ pub fn profile(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Resu
 /// Those of `xrStringToPath`.
 pub fn eyes(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Result> {
     path(next, instance, EYES)
+}
+
+/// The paths of the extension.
+///
+/// # Errors
+///
+/// Those of `xrStringToPath`.
+pub fn paths(next: &Next, instance: xr::Instance) -> Result<GazePaths, xr::Result> {
+    let path = |text| path(next, instance, text);
+    Ok(GazePaths {
+        profile: path(PROFILE)?,
+        eyes: path(EYES)?,
+        pose: path(GAZE_POSE)?,
+        source: path(GAZE_SOURCE)?,
+        left_hand: path(c"/user/hand/left")?,
+    })
 }
 
 /// The path of a text.

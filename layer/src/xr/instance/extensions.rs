@@ -13,7 +13,12 @@ const EYE_GAZE: &CStr = c"XR_EXT_eye_gaze_interaction";
 #[derive(Debug)]
 pub enum EyeGaze {
     /// The application asks for it.
-    AskedFor,
+    AskedFor {
+        /// Its other extensions.
+        others: Vec<*const c_char>,
+        /// Whether the runtime lists its extensions, and not this one.
+        is_missing: bool,
+    },
     /// It does not: its extensions, with eye gaze added.
     Added(Vec<*const c_char>),
     /// It does not, and the runtime has no eye gaze.
@@ -42,12 +47,18 @@ impl EyeGaze {
             return Self::Unreadable;
         }
         // SAFETY: xrCreateInstance demands that each is a C string.
-        let mut texts = asked.iter().map(|&name| unsafe { CStr::from_ptr(name) });
-        if texts.clone().any(|name| name == EYE_GAZE) {
-            return Self::AskedFor;
+        let is_it = |name: *const c_char| unsafe { CStr::from_ptr(name) } == EYE_GAZE;
+        if asked.iter().any(|&name| is_it(name)) {
+            let others = asked.iter().copied().filter(|&name| !is_it(name)).collect();
+            return Self::AskedFor {
+                others,
+                is_missing: offered.is_some_and(|offered| !lists(offered, EYE_GAZE)),
+            };
         }
         if let Some(offered) = offered {
-            let has = |name: &CStr| offered.iter().any(|extension| is_named(extension, name));
+            // SAFETY: as above.
+            let mut texts = asked.iter().map(|&name| unsafe { CStr::from_ptr(name) });
+            let has = |name: &CStr| lists(offered, name);
             if !has(EYE_GAZE) && texts.all(has) && !info.next.is_null() {
                 return Self::NotThere;
             }
@@ -56,6 +67,10 @@ impl EyeGaze {
         names.push(EYE_GAZE.as_ptr());
         Self::Added(names)
     }
+}
+
+fn lists(offered: &[xr::ExtensionProperties], name: &CStr) -> bool {
+    offered.iter().any(|extension| is_named(extension, name))
 }
 
 fn is_named(extension: &xr::ExtensionProperties, name: &CStr) -> bool {
@@ -130,7 +145,9 @@ mod tests {
         let texts: Vec<_> = names.iter().map(|&name| unsafe { CStr::from_ptr(name) }).collect();
         assert_eq!(texts, [c"XR_KHR_vulkan_enable2", EYE_GAZE]);
         assert!(matches!(of(&[]), EyeGaze::Added(names) if names.len() == 1));
-        assert!(matches!(of(&[vulkan, EYE_GAZE.as_ptr()]), EyeGaze::AskedFor));
+        assert!(
+            matches!(of(&[EYE_GAZE.as_ptr(), vulkan]), EyeGaze::AskedFor { others, is_missing: false } if others == [vulkan])
+        );
         assert!(matches!(of(&[ptr::null()]), EyeGaze::Unreadable));
     }
 

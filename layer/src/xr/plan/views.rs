@@ -7,11 +7,13 @@ use crate::config::{Config, ConfigSnapshot, GazeSource, wants_reuse};
 use crate::inputs::gaze::rotation;
 use crate::planner::{ShownView, View, head_of};
 use crate::xr::instance::next_of_any;
+use crate::xr::offer;
 use crate::xr::session::{self, Active, Health, Session, Tools};
 use crate::xr::submission::{self, Projection, ProjectionView};
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use smallvec::SmallVec;
+use std::ptr;
 use std::sync::Arc;
 
 /// `xrLocateViews`: the views that the application will draw, and with them the newest gaze.
@@ -27,7 +29,14 @@ pub unsafe extern "system" fn locate_views(
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
-    // SAFETY: the next layer's function with the application's own arguments.
+    // SAFETY: valid usage: `info` is valid.
+    let asked = unsafe { info.as_ref() };
+    // An application that locates its views in the space of the gaze.
+    let base = asked.and_then(|asked| offer::views_base(asked.space));
+    let in_head =
+        asked.zip(base.as_ref()).map(|(asked, base)| xr::ViewLocateInfo { space: base.head(), ..*asked });
+    let info = in_head.as_ref().map_or(info, ptr::from_ref);
+    // SAFETY: the next layer's function with the application's own arguments, or our copy of one.
     let below = || unsafe { (next.locate_views)(handle, info, state, capacity, count, views) };
     guard("xrLocateViews", below, |answer| {
         let result = answer.record(below());
@@ -43,6 +52,19 @@ pub unsafe extern "system" fn locate_views(
                         let views = std::slice::from_raw_parts(views, *count as usize);
                         views_located(known, active, info, views);
                     }
+                }
+            }
+        }
+        if let (true, Some(base)) = (result.into_raw() >= 0, &base) {
+            // SAFETY: as above.
+            unsafe {
+                if let (Some(info), Some(state), Some(count)) =
+                    (info.as_ref(), state.as_mut(), count.as_ref())
+                    && !views.is_null()
+                    && *count <= capacity
+                {
+                    let views = std::slice::from_raw_parts_mut(views, *count as usize);
+                    base.turn(info.display_time, state, views);
                 }
             }
         }

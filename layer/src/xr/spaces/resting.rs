@@ -3,7 +3,7 @@
 use crate::abi::{attempt, guard};
 use crate::registry::Registry;
 use crate::xr::instance::next_of_any;
-use crate::xr::session;
+use crate::xr::{offer, session};
 use openxr_sys as xr;
 use std::sync::Arc;
 
@@ -58,7 +58,10 @@ pub unsafe extern "system" fn destroy(space: xr::Space) -> xr::Result {
     };
     // SAFETY: the next layer's function with the application's own argument.
     let below = || unsafe { (next.destroy_space)(space) };
-    let forget = || drop(RESTING.remove(space));
+    let forget = || {
+        drop(RESTING.remove(space));
+        offer::forget_space(space);
+    };
     let pass_through = || {
         attempt("xrDestroySpace", forget);
         below()

@@ -25,6 +25,8 @@ pub struct OscSource {
     failure: Option<(ErrorKind, Instant)>,
     heard: Option<NewestGaze>,
     times: SampleTimes,
+    /// Those that the application is told, which asks for other times than the frames' plans.
+    application_times: SampleTimes,
 }
 
 /// Its status: no direction.
@@ -96,17 +98,34 @@ impl OscSource {
 
     /// Where the eyes look, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
     pub fn look(&mut self, time_ns: i64, latency_ns: i64) -> Look {
-        self.heard = self.listener.as_ref().and_then(Listener::heard).or(self.heard);
-        match self.heard.filter(|_| self.is_open()) {
+        match self.newest() {
             Some(heard) => heard.look(&mut self.times, time_ns, latency_ns),
             None => Look::NoTracker,
         }
     }
 
+    /// The same for the application, at times of its own.
+    pub fn application_look(&mut self, time_ns: i64, latency_ns: i64) -> Look {
+        match self.newest() {
+            Some(heard) => heard.look(&mut self.application_times, time_ns, latency_ns),
+            None => Look::NoTracker,
+        }
+    }
+
+    /// Whether a sender is there.
+    pub fn has_sender(&mut self) -> bool {
+        self.newest().is_some_and(NewestGaze::is_fresh)
+    }
+
+    fn newest(&mut self) -> Option<NewestGaze> {
+        self.heard = self.listener.as_ref().and_then(Listener::heard).or(self.heard);
+        self.heard.filter(|_| self.is_open())
+    }
+
     /// Its status.
     pub fn status(&self) -> OscStatus {
         let look = self.heard.map(|heard| heard.look).unwrap_or_default();
-        let is_there = self.heard.is_some_and(|heard| heard.age.is_some_and(|age| age < ENDED));
+        let is_there = self.heard.is_some_and(NewestGaze::is_fresh);
         OscStatus {
             address: self.wanted,
             failure: self.failure.map(|(kind, _)| kind),
@@ -118,6 +137,11 @@ impl OscSource {
 }
 
 impl NewestGaze {
+    /// Whether its sender has not ended.
+    fn is_fresh(self) -> bool {
+        self.age.is_some_and(|age| age < ENDED)
+    }
+
     /// Where the eyes look by it, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
     pub fn look(self, times: &mut SampleTimes, time_ns: i64, latency_ns: i64) -> Look {
         let Some(age) = self.age.filter(|age| *age < ENDED) else { return Look::NoTracker };
