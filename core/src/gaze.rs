@@ -1,13 +1,20 @@
 //! State of the gaze: tracked, held, lost; fixating, following or in a saccade.
 
+mod calibration;
+mod drift;
+mod fixation;
 mod inflation;
+mod polynomial;
 mod recentre;
 mod rejection;
 mod settings;
 mod tracker;
 mod vergence;
 
+pub use calibration::{Calibration, CalibrationFailure, CalibrationFit, DOTS_DEG, Dots, FittedDot};
+pub use drift::GazeDrift;
 pub use inflation::{MAX_FOVEAL_RADIUS_DEG, foveal_inflation_deg};
+pub use polynomial::{GazePolynomial, PolynomialOrder};
 pub use recentre::{GazeOffset, MAX_OFFSET_DEG, RecentreFailure, Recentring};
 pub use rejection::Rejection;
 pub use settings::GazeSettings;

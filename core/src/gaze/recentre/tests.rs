@@ -1,3 +1,4 @@
+use super::super::fixation::DISPERSION_DEG;
 use super::*;
 use proptest::prelude::*;
 
