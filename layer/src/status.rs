@@ -1,7 +1,8 @@
 //! Status of this process while a session is there, for `parafovea status` (`parafovea_manifest::status`).
 //!
 //! A thread of ours writes the file. The application's thread hands it plain numbers, when it is asked to: that allocates nothing
-//! and waits for nobody. The thread also takes requests for a measurement of the eye tracker's offset. Of gaze and sound it is only told where they come from and whether they are there.
+//! and waits for nobody. The thread also takes requests for measurements of the eye tracker. Of gaze and sound it is only told where they
+//! come from and whether they are there, and how far the mean gaze has drifted.
 
 mod applied_rates;
 mod decisions;
@@ -19,7 +20,7 @@ pub use signal::SignalQuality;
 pub use snapshot::{GateStatus, StatusSnapshot};
 pub use unseen::{Known, why_unseen};
 
-use crate::inputs::gaze::recentre::RecentreRequests;
+use crate::inputs::gaze::correction::CorrectionRequests;
 use applied_rates::AppliedRates;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Settings, Status, StatusFile};
@@ -49,7 +50,7 @@ impl StatusReporter {
         environment: &Environment,
         known: Status,
         settings: Arc<Settings>,
-        mut recentre: Option<RecentreRequests>,
+        mut corrections: Option<CorrectionRequests>,
     ) -> Option<Self> {
         let file = StatusFile::new(environment, known.pid)
             .inspect_err(|error| tracing::warn!("parafovea status will not show this session: {error}"))
@@ -64,8 +65,8 @@ impl StatusReporter {
         let tell = move || {
             let (mut status, mut applied) = (known, AppliedRates::default());
             loop {
-                if let Some(recentre) = &mut recentre {
-                    status.recentre = recentre.poll();
+                if let Some(corrections) = &mut corrections {
+                    status.gaze_correction = corrections.poll();
                 }
                 if !theirs.write(&mut status) {
                     break;
@@ -73,7 +74,10 @@ impl StatusReporter {
                 if let Some(line) = applied.line(&status) {
                     tracing::info!("{line}");
                 }
-                sleep(Duration::from_secs(EVERY_S) - ASKED_BEFORE);
+                // Dots come and go faster than everything else.
+                if !status.gaze_correction.is_measuring {
+                    sleep(Duration::from_secs(EVERY_S) - ASKED_BEFORE);
+                }
                 theirs.is_asked.store(true, Ordering::Relaxed);
                 sleep(ASKED_BEFORE);
             }

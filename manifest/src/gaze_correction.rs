@@ -1,6 +1,7 @@
-//! The correction of an eye tracker that `parafovea gaze recentre` measured: a file for each headset in `$XDG_STATE_HOME/parafovea/gaze`.
+//! The correction of an eye tracker that `parafovea gaze calibrate` and `recentre` measured: a file for each headset in
+//! `$XDG_STATE_HOME/parafovea/gaze`.
 //!
-//! It has the offset, the spread and the names of headset and source, and nothing else of the gaze.
+//! It has the correction, its residuals and the names of headset and source, and nothing else of the gaze.
 
 use crate::paths::{Environment, file_stem};
 use crate::private_file;
@@ -10,8 +11,8 @@ use std::io::{self, Read};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
-/// The version of the format.
-const VERSION: u32 = 1;
+/// The version of the format. Version 1 had no calibration, and is read as well.
+const VERSION: u32 = 2;
 
 /// The largest offset, degrees: more is not measured (`parafovea_core::gaze::MAX_OFFSET_DEG`).
 const MAX_OFFSET_DEG: f32 = 10.0;
@@ -28,23 +29,80 @@ pub struct GazeCorrection {
     pub headset: String,
     /// The source that it holds for: "eyes" or "osc", as in the status.
     pub source: String,
-    /// Angles to the left and upwards that are added to the gaze, degrees, together at most 10.
+    /// The calibration; `None` without one.
+    #[serde(default)]
+    pub calibration: Option<GazeCalibration>,
+    /// Angles to the left and upwards that are added to the calibrated gaze, degrees, together at most 10.
     pub offset_deg: [f32; 2],
-    /// Root mean square of the samples' distances from their centre in the measurement, degrees.
+    /// Root mean square of the samples' distances from their centre in the measurement of the offset, degrees; of the calibration before an
+    /// offset was measured.
     pub spread_deg: f32,
+}
+
+/// A calibration: a polynomial of the second order in the angles of the gaze, and its residuals.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GazeCalibration {
+    /// Angles to the left and upwards that are added to the gaze, degrees: coefficients of 1, left, up, left * left, left * up and up * up, with
+    /// angles in units of 10 degrees.
+    pub coefficients_deg: [[f32; 6]; 2],
+    /// The measured area: its right lower and its left upper corner, degrees to the left and upwards.
+    pub area_deg: [[f32; 2]; 2],
+    /// Root mean square of the distances from each dot, of a fit to the other ones, degrees.
+    pub error_deg: f32,
+    /// The same before the calibration.
+    pub error_before_deg: f32,
+    /// Accuracy and precision at each dot, degrees: distance of the calibrated gaze from the dot, and root mean square of the samples'
+    /// distances from their centre.
+    pub dots_deg: [[f32; 2]; 9],
+}
+
+impl GazeCalibration {
+    /// The same, with coefficients in ten-thousandths, and all else in hundredths of a degree.
+    fn rounded(self) -> Self {
+        Self {
+            coefficients_deg: self.coefficients_deg.map(|axis| axis.map(|value| round_to(value, 10_000.0))),
+            area_deg: self.area_deg.map(|corner| corner.map(hundredths)),
+            error_deg: hundredths(self.error_deg),
+            error_before_deg: hundredths(self.error_before_deg),
+            dots_deg: self.dots_deg.map(|dot| dot.map(hundredths)),
+        }
+    }
+
+    /// Mean accuracy and root mean square of the precision, degrees.
+    pub fn accuracy_and_precision_deg(&self) -> (f32, f32) {
+        let count = self.dots_deg.len() as f32;
+        let accuracy = self.dots_deg.iter().map(|[accuracy, _]| accuracy).sum::<f32>() / count;
+        let squares = self.dots_deg.iter().map(|[_, precision]| precision * precision).sum::<f32>();
+        (accuracy, (squares / count).sqrt())
+    }
+}
+
+fn round_to(value: f32, per_unit: f32) -> f32 {
+    (value * per_unit).round() / per_unit
+}
+
+fn hundredths(angle: f32) -> f32 {
+    round_to(angle, 100.0)
 }
 
 impl GazeCorrection {
     /// A correction for the gaze of `source` in `headset`, rounded to hundredths of a degree.
     pub fn new(headset: &str, source: &str, offset_deg: [f32; 2], spread_deg: f32) -> Self {
-        let rounded = |angle: f32| (angle * 100.0).round() / 100.0;
         Self {
             version: VERSION,
             headset: headset.to_owned(),
             source: source.to_owned(),
-            offset_deg: offset_deg.map(rounded),
-            spread_deg: rounded(spread_deg),
+            calibration: None,
+            offset_deg: offset_deg.map(hundredths),
+            spread_deg: hundredths(spread_deg),
         }
+    }
+
+    /// The same with a calibration before the offset, or without one.
+    #[must_use]
+    pub fn with_calibration(self, calibration: Option<GazeCalibration>) -> Self {
+        Self { calibration: calibration.map(GazeCalibration::rounded), ..self }
     }
 
     /// The file for a headset; `None` without a home, or without a name.
@@ -69,8 +127,8 @@ impl GazeCorrection {
         let mut bytes = Vec::new();
         file.take(MOST_BYTES).read_to_end(&mut bytes).map_err(|error| fault(&error))?;
         let read: Self = serde_json::from_slice(&bytes).map_err(|error| fault(&error))?;
-        if read.version != VERSION {
-            return Err(fault(&format!("version = {}: expected {VERSION}", read.version)));
+        if !(1..=VERSION).contains(&read.version) {
+            return Err(fault(&format!("version = {}: expected 1 to {VERSION}", read.version)));
         }
         let [left, up] = read.offset_deg;
         if !left.is_finite() || !up.is_finite() || left.hypot(up) > MAX_OFFSET_DEG + 0.1 {
@@ -78,7 +136,16 @@ impl GazeCorrection {
                 "offset_deg = [{left}, {up}]: expected at most {MAX_OFFSET_DEG} degrees in all"
             )));
         }
-        Ok(Some(read))
+        if let Some(calibration) = &read.calibration {
+            let GazeCalibration { coefficients_deg, area_deg, error_deg, error_before_deg, dots_deg } =
+                calibration;
+            let residuals = dots_deg.iter().flatten().chain([error_deg, error_before_deg]);
+            let all = coefficients_deg.iter().flatten().chain(area_deg.iter().flatten()).chain(residuals);
+            if let Some(value) = all.into_iter().find(|value| !value.is_finite()) {
+                return Err(fault(&format!("calibration: {value}: expected a finite number")));
+            }
+        }
+        Ok(Some(Self { version: VERSION, ..read }))
     }
 
     /// Stores it in place of the last one at `path`.
@@ -145,18 +212,50 @@ mod tests {
         assert_eq!(GazeCorrection::file(&environment, ""), None);
     }
 
+    /// A calibration whose numbers are kept by rounding.
+    fn calibration() -> GazeCalibration {
+        GazeCalibration {
+            coefficients_deg: [[0.625, -0.5, 0.25, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0001, 0.0, 0.0, 0.0]],
+            area_deg: [[-12.5, -9.25], [13.0, 10.0]],
+            error_deg: 0.5,
+            error_before_deg: 3.25,
+            dots_deg: [[0.5, 0.25]; 9],
+        }
+    }
+
+    #[test]
+    fn a_calibration_is_stored_with_its_residuals() {
+        let state = tempfile::tempdir().unwrap();
+        let path = state.path().join("a.json");
+        let fine = GazeCalibration {
+            coefficients_deg: [[0.62503, -0.5, 0.25, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0001, 0.0, 0.0, 0.0]],
+            ..calibration()
+        };
+        let correction = GazeCorrection::new("a", "eyes", [0.0; 2], 0.25).with_calibration(Some(fine));
+        correction.write(&path).unwrap();
+        let read = GazeCorrection::read(&path).unwrap().unwrap();
+        assert_eq!(read, correction);
+        assert_eq!(read.calibration, Some(calibration()));
+        assert_eq!(calibration().accuracy_and_precision_deg(), (0.5, 0.25));
+    }
+
     #[test]
     fn a_damaged_correction_is_refused_with_its_file_and_fault() {
         let state = tempfile::tempdir().unwrap();
         let path = state.path().join("a.json");
         let good = r#"{"version":1,"headset":"a","source":"eyes","offset_deg":[1,2],"spread_deg":0.1}"#;
         fs::write(&path, good).unwrap();
-        assert_eq!(GazeCorrection::read(&path).unwrap().unwrap().offset_deg, [1.0, 2.0]);
+        let first_version = GazeCorrection::new("a", "eyes", [1.0, 2.0], 0.1);
+        assert_eq!(GazeCorrection::read(&path), Ok(Some(first_version.clone())));
+        first_version.with_calibration(Some(calibration())).write(&path).unwrap();
+        let calibrated = fs::read_to_string(&path).unwrap();
         for (text, fault) in [
             ("", "EOF"),
             ("\u{0}\u{1}", "expected value"),
             (&good[..40], "EOF"),
-            (&good.replace("\"version\":1", "\"version\":2"), "version = 2: expected 1"),
+            (&good.replace("\"version\":1", "\"version\":3"), "version = 3: expected 1 to 2"),
+            (&calibrated.replace("0.625", "1e39"), "calibration: inf: expected a finite number"),
+            (&calibrated.replace("0.625,", ""), "invalid length"),
             (&good.replace("[1,2]", "[9,9]"), "offset_deg = [9, 9]: expected at most 10 degrees in all"),
             (&good.replace("[1,2]", "[1e39,0]"), "offset_deg = [inf, 0]"),
             (&good.replace("[1,2]", "[1]"), "invalid length 1"),

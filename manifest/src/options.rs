@@ -210,7 +210,7 @@ choice! {
         Age = "age",
         /// a dot at the gaze, visible to every viewer of the image
         Gaze = "gaze",
-        /// a dot in front of the head, as in parafovea gaze recentre
+        /// a dot in front of the head, as in parafovea gaze recentre and calibrate
         Ahead = "ahead",
     }
 }
@@ -284,7 +284,7 @@ options! {
         hold_ms: u32 = 500, 0..=500 "milliseconds";
         /// Delay before the layer attaches the eye tracker in an application without OpenXR input; OpenXR input that the application sets up later does not work; 0 means never.
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
-        /// Correction of the eye tracker: angles to the left and upwards, which are added to the gaze, besides the correction that parafovea gaze recentre measured.
+        /// Correction of the eye tracker: angles to the left and upwards, which are added to the gaze, before the correction that parafovea gaze calibrate or recentre measured.
         offset_deg: Angles = Angles::NONE;
         /// Address and port for source = "osc" or "auto"; other computers can send to any address but one of the loopback, such as 127.0.0.1.
         osc_listen: ListenAddress = ListenAddress::loopback(9020);

@@ -2,18 +2,19 @@
 //! `parafovea status` reads.
 //!
 //! The file is the user's alone (mode 0600, in a folder of mode 0700 below `$XDG_RUNTIME_DIR`). It has no direction of the gaze and
-//! no level of the sound: of both only where they come from, and whether and since when they are there; and the stored offset of the eye tracker.
+//! no level of the sound: of both only where they come from, and whether and since when they are there; the stored correction of the eye tracker,
+//! and how far the mean gaze has drifted.
 
+mod correction;
 mod effect;
 mod folder;
 mod gaze;
-mod recentre;
 mod request;
 mod view;
 
+pub use correction::{AskedMeasurement, CorrectionStatus, GazeMeasurement, ask_measurement};
 pub use effect::effect;
 pub use folder::{Found, Gone, StatusFile, read_all};
-pub use recentre::{AskedRecentre, Recentre, ask_recentre};
 pub use view::{AskedView, ask_view};
 
 use serde::{Deserialize, Serialize};
@@ -53,7 +54,7 @@ pub struct Status {
     /// The gaze.
     pub gaze: Gaze,
     /// The correction of the eye tracker.
-    pub recentre: Recentre,
+    pub gaze_correction: CorrectionStatus,
     /// The sound.
     pub sound: Sound,
     /// Shading rates.
@@ -145,6 +146,9 @@ pub struct Gaze {
     pub saccades: u32,
     /// Whether the application gets it too (`gaze.offer`).
     pub is_given: bool,
+    /// How far the mean gaze of the last two minutes is from that of the session's first five, degrees; `None`: not known, or no farther than by
+    /// chance.
+    pub drift_deg: Option<f32>,
     /// OSC packets.
     pub osc: Osc,
 }

@@ -79,22 +79,26 @@ fn formats() -> Vec<(&'static str, &'static str, Vec<Vec<u8>>)> {
     ]
 }
 
-/// Sends the same again and again, from one port, until it is dropped.
+/// Sends packets again and again, from one port, until it is dropped.
 pub struct Sender {
     is_ending: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Sender {
-    fn new(to: SocketAddr, packets: Vec<Vec<u8>>, pause: Duration) -> Self {
+    fn new(
+        to: SocketAddr,
+        mut packets: impl FnMut() -> Vec<Vec<u8>> + Send + 'static,
+        pause: Duration,
+    ) -> Self {
         let is_ending = Arc::new(AtomicBool::new(false));
         let theirs = is_ending.clone();
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         let thread = std::thread::spawn(move || {
             while !theirs.load(Ordering::Relaxed) {
-                for packet in &packets {
+                for packet in packets() {
                     // Before the listener is there, it is refused.
-                    let _ = socket.send_to(packet, to);
+                    let _ = socket.send_to(&packet, to);
                 }
                 std::thread::sleep(pause);
             }
@@ -104,7 +108,13 @@ impl Sender {
 
     /// As fast as an eye tracker, and more, as frames of simulated time are fast.
     pub fn tracker(to: SocketAddr, packets: Vec<Vec<u8>>) -> Self {
-        Self::new(to, packets, Duration::from_millis(1))
+        Self::new(to, move || packets.clone(), Duration::from_millis(1))
+    }
+
+    /// An eye tracker of 100 Hz whose eyes move.
+    pub fn moving(to: SocketAddr, packet: impl FnMut() -> Vec<u8> + Send + 'static) -> Self {
+        let mut packet = packet;
+        Self::new(to, move || vec![packet()], Duration::from_millis(10))
     }
 }
 
@@ -232,7 +242,8 @@ fn floods_and_nonsense_are_counted_and_the_application_goes_on() {
         bundle(&vec![message("/jawOpen", &[1.0]); 20]),
     ];
     // More than 10 000 packets a second.
-    let flood = Sender::new(address, vec![nonsense; 100].concat(), Duration::from_millis(10));
+    let flood = vec![nonsense; 100].concat();
+    let flood = Sender::new(address, move || flood.clone(), Duration::from_millis(10));
     let during = told(&running, |status| {
         let osc = &status.gaze.osc;
         [osc.malformed, osc.implausible, osc.other_senders, osc.floods].iter().all(|count| *count > 10)

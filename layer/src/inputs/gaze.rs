@@ -2,9 +2,9 @@
 //! the head look along -z.
 
 pub mod auto;
+pub mod correction;
 mod look;
 pub mod osc;
-pub mod recentre;
 pub mod recording;
 pub mod script;
 

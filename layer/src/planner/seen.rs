@@ -2,6 +2,7 @@
 
 use super::Planning;
 use crate::config::Config;
+use crate::inputs::gaze::{direction, in_view};
 use glam::Vec3;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
@@ -9,7 +10,7 @@ use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
 /// An overlay over an eye's picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DebugOverlay {
-    /// Where the eyes are taken to look, or where the head points, in the view's space, of any length; all 0 where that is not known.
+    /// Where the eyes are taken to look, or the direction of the dot, in the view's space, of any length; all 0 where that is not known.
     pub gaze: Vec3,
     /// How the map is divided.
     pub shape: MapShape,
@@ -18,12 +19,14 @@ pub struct DebugOverlay {
 }
 
 impl Planning {
-    /// The overlay of an eye's newest plan for `view`; its map, if it has one, goes to `map`. Nothing without a plan.
+    /// The overlay of an eye's newest plan for `view`; its map, if it has one, goes to `map`. Nothing without a plan. The dot of
+    /// [`DebugView::Ahead`] is `dot_deg` to the left and upwards of straight ahead.
     pub fn seen(
         &self,
         config: &Config,
         eye: usize,
         view: DebugView,
+        dot_deg: [f32; 2],
         map: &mut Vec<u8>,
     ) -> Option<DebugOverlay> {
         map.clear();
@@ -48,7 +51,7 @@ impl Planning {
         let gaze = match view {
             // Angles are from straight ahead where the gaze is not known, as the rings are.
             DebugView::Eccentricity => left + right,
-            DebugView::Ahead => self.views.orientation(eye).inverse() * Vec3::NEG_Z,
+            DebugView::Ahead => in_view(direction(dot_deg), self.views.orientation(eye)),
             _ if plan.gaze == Vec3::ZERO => Vec3::ZERO,
             _ => left + right,
         };

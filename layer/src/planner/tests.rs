@@ -2,6 +2,7 @@ use super::*;
 use crate::config::{ChromaMode, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, SilenceRule};
 use crate::inputs::gaze::auto::SampleTimes;
 use crate::inputs::gaze::osc::{NewestGaze, OscGaze, read};
+use crate::kernels::debug_view::DebugView;
 use crate::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, EyeMapRecord};
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
@@ -465,4 +466,20 @@ fn the_turn_of_the_head_is_known_for_the_newest_time_alone() {
     planning.look(&config, Look::NoTracker, first, FRAME_NS);
     planning.look(&config, Look::NoTracker, second, 2 * FRAME_NS);
     assert_eq!([FRAME_NS, 2 * FRAME_NS].map(|time_ns| planning.head_at(time_ns)), [None, Some(second)]);
+}
+
+#[test]
+fn the_dot_ahead_is_at_its_angles_from_the_head_in_both_views() {
+    let mut session = Session::new(Config::default());
+    session.frame(Look::NoTracker);
+    for dot_deg in [[0.0, 0.0], [12.0, -9.0]] {
+        for (eye, cant) in [0.1, -0.1].into_iter().enumerate() {
+            let overlay = session
+                .planning
+                .seen(&session.config, eye, DebugView::Ahead, dot_deg, &mut Vec::new())
+                .unwrap();
+            let from_head = Quat::from_rotation_y(cant) * overlay.gaze;
+            assert!(from_head.abs_diff_eq(crate::inputs::gaze::direction(dot_deg), 1e-5), "{from_head}");
+        }
+    }
 }

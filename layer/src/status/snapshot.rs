@@ -38,6 +38,8 @@ pub struct StatusSnapshot {
     pub gaze_age_ms: Option<f32>,
     /// How good it is.
     pub signal: SignalQuality,
+    /// How far its mean has drifted, degrees.
+    pub drift_deg: Option<f32>,
     /// Where the sound comes from.
     pub audio_source: AudioSource,
     /// Whether something is known of the last seconds.
@@ -78,6 +80,7 @@ impl Default for StatusSnapshot {
             gaze_is_valid: false,
             gaze_age_ms: None,
             signal: SignalQuality::default(),
+            drift_deg: None,
             audio_source: AudioSource::Off,
             is_heard: false,
             tiles: [0; TEXELS],
@@ -168,6 +171,7 @@ impl StatusSnapshot {
             noise_deg: noise_deg.map(|noise| rounded(noise, 100.0)),
             blinks,
             saccades,
+            drift_deg: self.drift_deg.map(|drift| rounded(drift, 10.0)),
             osc: self.osc_status(),
         }
     }

@@ -6,14 +6,14 @@
 use super::session::Session;
 use crate::config::{Config, FilePath, GazeSource};
 use crate::inputs::gaze::auto::{Auto, Holder};
+use crate::inputs::gaze::correction::GazeCorrecting;
 use crate::inputs::gaze::osc::{Listener, OscSource};
-use crate::inputs::gaze::recentre::GazeCorrecting;
 use crate::inputs::gaze::recording::Recording;
 use crate::inputs::gaze::script::GazeScript;
 use crate::inputs::gaze::{Look, turned};
 use crate::status::StatusSnapshot;
 use openxr_sys as xr;
-use parafovea_core::gaze::GazeSettings;
+use parafovea_core::gaze::{GazePhase, GazeSettings};
 use std::fs::OpenOptions;
 use std::io::Read;
 use std::os::unix::fs::OpenOptionsExt;
@@ -130,6 +130,21 @@ impl SessionGaze {
         let state = self.state();
         snapshot.gaze_holder = state.holder;
         snapshot.osc = state.osc.status();
+        drop(state);
+        snapshot.drift_deg = self.correction.drift_deg();
+    }
+
+    /// Takes the phase of the gaze by the newest `look`, for its drift. A gaze of no tracker has none.
+    pub fn note_phase(&self, look: Look, phase: GazePhase, time: xr::Time) {
+        let holder = self.state().holder;
+        if matches!(holder, Holder::Eyes | Holder::Osc) {
+            self.correction.note_phase(holder, look, phase, time.as_nanos());
+        }
+    }
+
+    /// The place of the dot of debug view "ahead", degrees to the left and upwards of straight ahead.
+    pub fn dot_deg(&self) -> [f32; 2] {
+        self.correction.dot_deg()
     }
 
     /// Whether there is a gaze to be had, as far as is known.

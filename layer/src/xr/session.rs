@@ -15,7 +15,7 @@ use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::{attempt, executable, guard};
 use crate::config::{ChromaMode, Config, Environment, GazeSource, debug_view, wants_contrast, wants_reuse};
-use crate::inputs::gaze::recentre::{GazeCorrecting, RecentreRequests};
+use crate::inputs::gaze::correction::{CorrectionRequests, GazeCorrecting};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use crate::status::StatusReporter;
@@ -178,7 +178,7 @@ pub(super) unsafe fn track(
     let environment = Environment::of_process(false);
     let correction = Arc::<GazeCorrecting>::default();
     let requests = active.as_ref().map(|_| {
-        RecentreRequests::new(&environment, std::process::id(), headset.name, Arc::clone(&correction))
+        CorrectionRequests::new(&environment, std::process::id(), headset.name, Arc::clone(&correction))
     });
     let gaze = SessionGaze::new(correction);
     if active.is_some() || (offer.is_some() && config.gaze.offer) {

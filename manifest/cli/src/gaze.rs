@@ -1,6 +1,6 @@
 //! `parafovea gaze`.
 
-mod recentre;
+mod measurement;
 
 use crate::status::{self, Watched};
 use parafovea_manifest::status::{Found, Osc, Status};
@@ -27,14 +27,17 @@ pub struct Options {
 
 #[derive(Clone, Debug, clap::Subcommand)]
 enum Command {
-    Recentre(recentre::Options),
+    Recentre(measurement::Recentre),
+    Calibrate(measurement::Calibrate),
 }
 
 /// Shows source and quality of the gaze in running applications, until it is interrupted or its reader ends.
 pub fn gaze(options: Options) -> ExitCode {
     let Options { command, application, once, json } = options;
-    if let Some(Command::Recentre(options)) = &command {
-        return recentre::recentre(options);
+    match &command {
+        Some(Command::Recentre(options)) => return measurement::recentre(options),
+        Some(Command::Calibrate(options)) => return measurement::calibrate(options),
+        None => {}
     }
     status::watch(application.as_deref(), once, json, Watched { text: of_all, json: as_json })
 }
@@ -77,8 +80,11 @@ fn of_one(status: &Status) -> String {
         line("blinks", &gaze.blinks.to_string());
         line("saccades", &gaze.saccades.to_string());
     }
-    if let Some(correction) = &status.recentre.correction {
-        line("recentred", &format!("by {}", recentre::of_correction(correction)));
+    if let Some(correction) = &status.gaze_correction.correction {
+        line("corrected", &measurement::of_correction(correction));
+    }
+    if let Some(drift) = gaze.drift() {
+        line("drift", &drift);
     }
     if !gaze.osc.address.is_empty() {
         line("packets", &packets(&gaze.osc));
@@ -108,7 +114,7 @@ fn packets(osc: &Osc) -> String {
 fn as_json(found: &[Found]) -> String {
     let line = |Found { status, age }: &Found| {
         let mut object = json!(status.gaze);
-        object["recentre"] = json!(status.recentre);
+        object["correction"] = json!(status.gaze_correction);
         object["application"] = json!(status.application);
         object["pid"] = json!(status.pid);
         object["status_age_ms"] = json!(age.as_millis() as u64);
@@ -140,6 +146,7 @@ mod tests {
             blinks: 4,
             saccades: 37,
             is_given: false,
+            drift_deg: Some(2.1),
             osc: Osc {
                 address: "127.0.0.1:9020".to_owned(),
                 format: "VRChat".to_owned(),
@@ -164,6 +171,7 @@ mod tests {
             "  noise     0.12 degrees from sample to sample in fixations",
             "  blinks    4",
             "  saccades  37",
+            "  drift     the mean gaze has drifted by 2.1 degrees since the first five minutes; if the headset slipped: parafovea gaze recentre",
             "  packets   1200 at 127.0.0.1:9020; unused: 3 malformed, 5 from a second sender; too many at 2 times",
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
@@ -181,7 +189,7 @@ mod tests {
             ..Gaze::default()
         }));
         assert!(text.contains("packets   none: 127.0.0.1:9020: address in use"), "{text}");
-        assert!(!text.contains("noise"), "{text}");
+        assert!(!text.contains("noise") && !text.contains("drift"), "{text}");
         let inert = Status { inert: "its graphics API is not Vulkan".to_owned(), ..Status::default() };
         let inert = [Found { status: inert, age: Duration::ZERO }];
         assert!(of_all(&inert).starts_with("No running application") && as_json(&inert).is_empty());

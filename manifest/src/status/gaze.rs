@@ -32,6 +32,14 @@ impl fmt::Display for Gaze {
 }
 
 impl Gaze {
+    /// The drift in words, with the command that corrects it; `None` without a drift.
+    pub fn drift(&self) -> Option<String> {
+        let drift = self.drift_deg?;
+        Some(format!(
+            "the mean gaze has drifted by {drift:.1} degrees since the first five minutes; if the headset slipped: parafovea gaze recentre"
+        ))
+    }
+
     /// Why there are no packets; empty if there are, or if the application asks for none.
     fn packets(&self) -> String {
         match (self.osc.failure.as_str(), self.osc.address.as_str()) {
@@ -47,6 +55,16 @@ impl Gaze {
 #[cfg(test)]
 mod tests {
     use crate::status::{Gaze, Osc};
+
+    #[test]
+    fn a_drift_is_told_with_the_command_against_it() {
+        assert_eq!(Gaze::default().drift(), None);
+        let drift = Gaze { drift_deg: Some(2.14), ..Gaze::default() }.drift().unwrap();
+        assert!(
+            drift.contains("drifted by 2.1 degrees") && drift.ends_with("parafovea gaze recentre"),
+            "{drift}"
+        );
+    }
 
     #[test]
     fn the_source_in_use_is_named_and_why_packets_are_missing() {

@@ -96,7 +96,7 @@ pub fn note_shown(frame: &FrameEnd, number: u64) {
 ///
 /// This thread may use the session's queue.
 pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
-    let FrameEnd { active, submission, ref config, .. } = *frame;
+    let FrameEnd { session, active, submission, ref config, .. } = *frame;
     let Some(scene) = submission.scene() else { return };
     let pictures = shown_eyes(&scene).into_iter().enumerate().filter_map(|(eye, shown)| {
         let shown = shown?;
@@ -105,7 +105,7 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
         Some(EyePicture { eye, shown, runtime, runtime_index, rect })
     });
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
-    unsafe { draw_over(active, config, pictures.collect()) };
+    unsafe { draw_over(active, config, session.gaze.dot_deg(), pictures.collect()) };
 }
 
 /// Draws over the pictures of the eyes in the image that the application is about to return to the runtime.
@@ -114,7 +114,8 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
 ///
 /// This thread may use the session's queue; of the image that `swapchain` returns next, what the application draws to it is submitted.
 pub unsafe fn draw_over_released(swapchain: &Swapchain) {
-    let Some(active) = &swapchain.session().active else { return };
+    let session = swapchain.session();
+    let Some(active) = &session.active else { return };
     let config = active.plan.config();
     if debug_view(&config).is_none() || !is_wanted(active, &config) {
         return;
@@ -135,16 +136,19 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
             Some(EyePicture { eye, shown, runtime, runtime_index, rect })
         });
         // SAFETY: this thread may use the queue, and work that draws to the image is submitted, as `# Safety` demands.
-        unsafe { draw_over(active, &config, pictures.collect()) };
+        unsafe { draw_over(active, &config, session.gaze.dot_deg(), pictures.collect()) };
     });
 }
 
+/// Draws over pictures; debug view "ahead" has its dot `dot_deg` to the left and upwards of straight ahead.
+///
 /// # Safety
 ///
 /// This thread may use the session's queue.
 unsafe fn draw_over(
     active: &Active,
     config: &Config,
+    dot_deg: [f32; 2],
     mut pictures: SmallVec<[EyePicture<'_>; MOST_PICTURES]>,
 ) {
     let Some(view) = debug_view(config) else { return };
@@ -160,7 +164,7 @@ unsafe fn draw_over(
     let DebugViews { pass, maps, frame, drawn, has_failed, .. } = &mut *views;
     let seen: [Option<DebugOverlay>; 2] = {
         let planning = active.plan.planning();
-        [0, 1].map(|eye| planning.seen(config, eye, view, &mut maps[eye]))
+        [0, 1].map(|eye| planning.seen(config, eye, view, dot_deg, &mut maps[eye]))
     };
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
     match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {

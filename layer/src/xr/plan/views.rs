@@ -212,7 +212,13 @@ pub(super) fn watch(session: &Session, (active, config): (&Active, &ConfigSnapsh
 fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time) -> Quat {
     let look = session.gaze.look(session, config, time);
     let head = session.head_in_world(time);
-    if let Some(reason) = state.planning().look(config, look, head, time.as_nanos()) {
+    let (rejection, phase) = {
+        let mut planning = state.planning();
+        let rejection = planning.look(config, look, head, time.as_nanos());
+        (rejection, planning.phase(config, time.as_nanos()))
+    };
+    session.gaze.note_phase(look, phase, time);
+    if let Some(reason) = rejection {
         tracing::info!("a gaze sample was rejected: {reason}");
     }
     head

@@ -38,6 +38,9 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         );
         line("backend", &status.backend);
         line("gaze", &format!("{}{}", status.gaze, sparse(status)));
+        if let Some(drift) = status.gaze.drift() {
+            line("drift", &drift);
+        }
         line("sound", &sound(&status.sound));
         line("tiles", &rates(&status.rates));
         // Without a backend there is nothing to judge.
@@ -195,6 +198,7 @@ mod tests {
                 is_valid: true,
                 age_ms: Some(11.6),
                 rate_hz: Some(90.0),
+                drift_deg: Some(2.5),
                 ..Gaze::default()
             },
             sound: Sound { source: "off".to_owned(), is_heard: false },
@@ -222,6 +226,7 @@ mod tests {
             "Game (process 7, game.exe)",
             "  state     active, 90 frames per second, 900 in total",
             "  gaze      eye tracker: valid, 90 Hz, 12 ms old at display time",
+            "  drift     the mean gaze has drifted by 2.5 degrees since the first five minutes; if the headset slipped: parafovea gaze recentre",
             "  tiles     77 % of the pixels shaded; tiles: 4x4 25 %, 1x1 75 %",
             "  rates     on: a saving of 35 % (30 to 40 %)",
             "  re-use    off",

@@ -1,10 +1,12 @@
-//! `parafovea gaze recentre`.
+//! `parafovea gaze recentre` and `parafovea gaze calibrate`.
 
 use crate::status::{read, shown_view, with_folder};
-use parafovea_manifest::gaze_correction::GazeCorrection;
+use parafovea_manifest::gaze_correction::{GazeCalibration, GazeCorrection};
 use parafovea_manifest::options::DebugView;
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{Found, Recentre, Status, ask_recentre, ask_view};
+use parafovea_manifest::status::{
+    CorrectionStatus, Found, GazeMeasurement, Status, ask_measurement, ask_view,
+};
 use std::process::ExitCode;
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -13,29 +15,59 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 ///
 /// A red dot appears in front of the head, in the headset of a running application. Look at it without moving your head until it disappears,
 /// about five seconds. The offset between gaze and dot is stored for this headset and eye tracker, and corrects the gaze in all
-/// applications, in addition to gaze.offset_deg. If the command is interrupted, parafovea status --view settings removes the dot.
+/// applications, in addition to gaze.offset_deg. A calibration stays, and only its offset changes. If the command is interrupted,
+/// parafovea status --view settings removes the dot.
 #[derive(Clone, Debug, clap::Args)]
-pub struct Options {
+pub struct Recentre {
+    #[command(flatten)]
+    options: Options,
+}
+
+/// Calibrate the eye tracker with nine dots, and correct it from then on
+///
+/// A red dot appears at nine places one after the other, in the headset of a running application. Follow it with your eyes, without
+/// moving your head, until it disappears, about 15 seconds. The correction of scale, rotation and curvature is stored for this headset and
+/// eye tracker, and applies in all applications. If the command is interrupted, parafovea status --view settings removes the dot.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Calibrate {
+    #[command(flatten)]
+    options: Options,
+}
+
+#[derive(Clone, Debug, clap::Args)]
+struct Options {
     /// Running application whose headset shows the dot: OpenXR application name, executable name or process ID
     #[arg(value_name = "APPLICATION")]
     application: Option<String>,
-    /// Remove the stored corrections of all headsets instead
+    /// Remove the stored calibrations and offsets of all headsets instead
     #[arg(long, conflicts_with = "application")]
     reset: bool,
 }
 
-/// How long a measurement may take, with the time for request and answer: an application that is slower hangs.
-const PATIENCE: Duration = Duration::from_secs(30);
+/// How long a measurement may take, with the time for request and answer, and for dots that are repeated: an application that is slower hangs.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How often the status is looked at meanwhile.
 const EVERY: Duration = Duration::from_millis(100);
 
+/// Names of the dots' places, in rows from the top left, by their numbers in the order of appearance.
+const ROWS: [[usize; 3]; 3] = [[8, 1, 2], [7, 0, 3], [6, 5, 4]];
+
 /// Measures and stores the offset, or removes the stored corrections.
-pub fn recentre(options: &Options) -> ExitCode {
+pub fn recentre(recentre: &Recentre) -> ExitCode {
+    run(GazeMeasurement::Recentre, &recentre.options)
+}
+
+/// Measures and stores a calibration, or removes the stored corrections.
+pub fn calibrate(calibrate: &Calibrate) -> ExitCode {
+    run(GazeMeasurement::Calibrate, &calibrate.options)
+}
+
+fn run(kind: GazeMeasurement, options: &Options) -> ExitCode {
     if options.reset {
         return told(reset(&Environment::of_process(false)));
     }
-    with_folder(|environment| told(measured(environment, options.application.as_deref())))
+    with_folder(|environment| told(measured(environment, kind, options.application.as_deref())))
 }
 
 fn told(outcome: Result<String, String>) -> ExitCode {
@@ -58,16 +90,25 @@ fn reset(environment: &Environment) -> Result<String, String> {
     Ok(if lines.is_empty() { "No correction was stored.".to_owned() } else { lines.join("\n") })
 }
 
-fn measured(environment: &Environment, application: Option<&str>) -> Result<String, String> {
+fn measured(
+    environment: &Environment,
+    kind: GazeMeasurement,
+    application: Option<&str>,
+) -> Result<String, String> {
     let found = read(environment, application).map_err(|error| error.to_string())?.0;
     let Status { pid, debug_view, .. } = &chosen(found)?;
     let before = debug_view.is_asked.then(|| DebugView::of_name(&debug_view.name)).flatten();
-    crate::print("Look at the red dot in the headset until it disappears.\n");
-    let outcome = ask(environment, *pid);
+    crate::print(match kind {
+        GazeMeasurement::Recentre => "Look at the red dot in the headset until it disappears.\n",
+        GazeMeasurement::Calibrate => {
+            "Follow the red dot in the headset with your eyes until it disappears, without moving your head.\n"
+        }
+    });
+    let outcome = ask(environment, kind, *pid);
     // An application that ended meanwhile took its requests along.
-    let _ = ask_recentre(environment, *pid, None);
+    let _ = ask_measurement(environment, *pid, None);
     let _ = ask_view(environment, *pid, before);
-    outcome.map(|recentre| in_words(&recentre))
+    outcome.map(|status| in_words(kind, &status))
 }
 
 /// The one application with an active session.
@@ -89,7 +130,7 @@ fn chosen(found: Vec<Found>) -> Result<Status, String> {
 }
 
 /// Shows the dot, and has the gaze measured.
-fn ask(environment: &Environment, pid: u32) -> Result<Recentre, String> {
+fn ask(environment: &Environment, kind: GazeMeasurement, pid: u32) -> Result<CorrectionStatus, String> {
     let refused = |error: std::io::Error| format!("could not send the request: {error}");
     ask_view(environment, pid, Some(DebugView::Ahead)).map_err(refused)?;
     let status = status_of(environment, pid)?;
@@ -100,15 +141,20 @@ fn ask(environment: &Environment, pid: u32) -> Result<Recentre, String> {
         return Err(format!("no eye tracker to correct; the gaze is: {gaze}"));
     }
     let number = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |time| time.as_nanos() as u64);
-    ask_recentre(environment, pid, Some(number)).map_err(refused)?;
+    ask_measurement(environment, pid, Some((kind, number))).map_err(refused)?;
     let begin = Instant::now();
+    let mut dot = 0;
     while begin.elapsed() < PATIENCE {
-        let recentre = status_of(environment, pid)?.recentre;
-        if recentre.number == number && !recentre.is_measuring {
-            return match recentre.failure.as_str() {
-                "" => Ok(recentre),
+        let status = status_of(environment, pid)?.gaze_correction;
+        if status.number == number && !status.is_measuring {
+            return match status.failure.as_str() {
+                "" => Ok(status),
                 failure => Err(format!("the correction is unchanged: {failure}")),
             };
+        }
+        if kind == GazeMeasurement::Calibrate && status.number == number && status.dot > dot {
+            dot = status.dot;
+            crate::print(&format!("dot {dot} of 9\n"));
         }
         sleep(EVERY);
     }
@@ -121,20 +167,59 @@ fn status_of(environment: &Environment, pid: u32) -> Result<Status, String> {
     found.into_iter().next().map(|found| found.status).ok_or_else(|| "the application ended".to_owned())
 }
 
-fn in_words(recentre: &Recentre) -> String {
-    let Some(correction) = &recentre.correction else {
+fn in_words(kind: GazeMeasurement, status: &CorrectionStatus) -> String {
+    let Some(correction) = &status.correction else {
         return "The correction was removed meanwhile.".to_owned();
     };
+    let name = kind.name();
+    let outcome = match (kind, &correction.calibration) {
+        (GazeMeasurement::Calibrate, Some(calibration)) => residuals(calibration),
+        _ => format!("The gaze is now corrected by {}.\n", of_offset(correction)),
+    };
     format!(
-        "The gaze is now corrected by {}.\nStored for {} in {}\nTo undo: parafovea gaze recentre --reset",
-        of_correction(correction),
-        correction.headset,
-        recentre.file
+        "{outcome}Stored for {} in {}\nTo undo: parafovea gaze {name} --reset",
+        correction.headset, status.file
+    )
+}
+
+/// The residual of each dot, where it was.
+fn residuals(calibration: &GazeCalibration) -> String {
+    let mut text = format!(
+        "The gaze is now {}.\nAccuracy and precision at the dots, in degrees:\n",
+        of_calibration(calibration)
+    );
+    for row in ROWS {
+        let dots = row.map(|dot| {
+            let [accuracy, precision] = calibration.dots_deg[dot];
+            format!("{accuracy:5.2} {precision:4.2}")
+        });
+        text.push_str(&format!("  {}\n", dots.join("   ")));
+    }
+    text
+}
+
+/// A calibration in words.
+fn of_calibration(calibration: &GazeCalibration) -> String {
+    let (accuracy, precision) = calibration.accuracy_and_precision_deg();
+    format!(
+        "calibrated: expected error {:.2} degrees ({:.2} before), accuracy {accuracy:.2}, precision {precision:.2}",
+        calibration.error_deg, calibration.error_before_deg
     )
 }
 
 /// A correction in words.
 pub fn of_correction(correction: &GazeCorrection) -> String {
+    match &correction.calibration {
+        None => format!("by {}", of_offset(correction)),
+        Some(calibration) if correction.offset_deg == [0.0; 2] => of_calibration(calibration),
+        Some(calibration) => {
+            format!("{}; recentred by {}", of_calibration(calibration), of_offset(correction))
+        }
+    }
+}
+
+/// An offset in words.
+fn of_offset(correction: &GazeCorrection) -> String {
     let [left, up] = correction.offset_deg;
     let sideways = if left < 0.0 { "to the right" } else { "to the left" };
     let vertical = if up < 0.0 { "downwards" } else { "upwards" };
@@ -154,7 +239,8 @@ mod tests {
     fn a_correction_is_told_with_its_file_and_how_to_undo_it() {
         let correction = GazeCorrection::new("Headset", "eyes", [-3.0, 1.25], 0.2);
         let file = "/s/Headset.json".to_owned();
-        let text = in_words(&Recentre { correction: Some(correction), file, ..Recentre::default() });
+        let status = CorrectionStatus { correction: Some(correction), file, ..CorrectionStatus::default() };
+        let text = in_words(GazeMeasurement::Recentre, &status);
         for part in [
             "corrected by 3.0 degrees to the right and 1.2 degrees upwards, measured with a spread of 0.20 degrees",
             "for Headset in /s/Headset.json",
@@ -162,6 +248,36 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part} in {text}");
         }
+    }
+
+    #[test]
+    fn a_calibration_is_told_with_the_residual_at_each_dot() {
+        let mut dots_deg = [[0.25, 0.125]; 9];
+        dots_deg[8] = [0.75, 0.5];
+        let calibration = GazeCalibration {
+            coefficients_deg: [[0.0; 6]; 2],
+            area_deg: [[-12.0, -9.0], [12.0, 9.0]],
+            error_deg: 0.4,
+            error_before_deg: 3.25,
+            dots_deg,
+        };
+        let calibrated =
+            GazeCorrection::new("Headset", "eyes", [0.0; 2], 0.2).with_calibration(Some(calibration.clone()));
+        let file = "/s/Headset.json".to_owned();
+        let status =
+            CorrectionStatus { correction: Some(calibrated.clone()), file, ..CorrectionStatus::default() };
+        let text = in_words(GazeMeasurement::Calibrate, &status);
+        for part in [
+            "calibrated: expected error 0.40 degrees (3.25 before), accuracy 0.31, precision 0.21",
+            "\n   0.75 0.50    0.25 0.13    0.25 0.13\n",
+            "calibrate --reset",
+        ] {
+            assert!(text.contains(part), "{part} in {text}");
+        }
+        let recentred =
+            GazeCorrection::new("Headset", "eyes", [1.0, 0.0], 0.2).with_calibration(Some(calibration));
+        assert!(of_correction(&recentred).contains("precision 0.21; recentred by 1.0 degrees to the left"));
+        assert!(!of_correction(&calibrated).contains("recentred"));
     }
 
     #[test]
