@@ -106,10 +106,11 @@ impl GazeDrift {
 impl Moments {
     fn add(&mut self, value: [f64; 2]) {
         self.count += 1;
-        for axis in 0..2 {
-            let from_mean = value[axis] - self.mean[axis];
-            self.mean[axis] += from_mean / self.count as f64;
-            self.squares[axis] += from_mean * (value[axis] - self.mean[axis]);
+        let Self { count, mean, squares } = self;
+        for ((mean, squares), value) in mean.iter_mut().zip(squares).zip(value) {
+            let from_mean = value - *mean;
+            *mean += from_mean / *count as f64;
+            *squares += from_mean * (value - *mean);
         }
     }
 

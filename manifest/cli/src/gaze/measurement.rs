@@ -50,7 +50,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// How often the status is looked at meanwhile.
 const EVERY: Duration = Duration::from_millis(100);
 
-/// Names of the dots' places, in rows from the top left, by their numbers in the order of appearance.
+/// The dots in rows from the top left, by their places in the order of appearance.
 const ROWS: [[usize; 3]; 3] = [[8, 1, 2], [7, 0, 3], [6, 5, 4]];
 
 /// Measures and stores the offset, or removes the stored corrections.
