@@ -60,7 +60,7 @@ impl Observed {
     /// Errors of `test`, a run of the same frames, with this one as the reference.
     ///
     /// # Errors
-    /// As for [`judge`].
+    /// As for [`judge_runs`].
     pub fn judge(&self, test: &Self) -> Result<Report, HarnessError> {
         judge_runs(self.judged(), test.judged())
     }
