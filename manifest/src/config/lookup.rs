@@ -50,7 +50,7 @@ impl Places {
     }
 
     /// The first that `exists`; `None` if none does: the defaults hold. A file that `PARAFOVEA_CONFIG` names
-    /// is found in any case: where it is missing, [`load`](super::load) says so, rather than that the
+    /// is found in any case: where it is missing, [`load`] says so, rather than that the
     /// defaults silently took its place.
     pub fn find(&self, exists: impl Fn(&Path) -> bool) -> Option<&Path> {
         self.files.iter().map(PathBuf::as_path).find(|file| self.named || exists(file))
