@@ -39,7 +39,7 @@ const NAMES: [&str; 9] = [
 ];
 
 /// A dot lasts 1.5 s: a saccade follows it after 200 to 250 ms (Carpenter 1988), and lands within 100 ms. A fixation of half a second is
-/// longer than those of a scene (200 to 400 ms).
+/// longer than fixations in a scene (200 to 400 ms).
 const TIMING: DotTiming =
     DotTiming { settle_ns: 700_000_000, measured_ns: 800_000_000, fixation_ns: 500_000_000 };
 

@@ -7,8 +7,8 @@
 use crate::geometry::eccentricity;
 use glam::Vec3;
 
-/// What is taken off the square of the slope, in its variances: on the way to the newest sample, and from there on. James and Stein
-/// would take 2 less than the dimensions that differ; what leads ahead has to be surer than what leads to the samples themselves.
+/// Reduction of the squared slope, in units of its variance: up to the newest sample, and beyond it. The estimator of James and Stein
+/// reduces by two less than the number of dimensions; extrapolation needs more certainty than interpolation.
 /// Chosen on seeds that the table of `cargo dev bench gaze` does not use.
 const SHRINKAGE: [f32; 2] = [0.7, 3.5];
 

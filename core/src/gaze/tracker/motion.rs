@@ -253,8 +253,8 @@ impl Motion {
         self.turning = false;
     }
 
-    /// The line through the newest samples alone, where these together, of which none is a jump, lie aside of where they were
-    /// expected: the eyes have landed nearby.
+    /// The line through the newest samples alone, if their mean lies aside of the prediction although none of them is a jump: the eyes
+    /// have landed nearby.
     fn shifted(&self, settings: &GazeSettings, sample: EyeSample, head_deg_s: f32) -> Option<LineFit> {
         let missed = |line: &LineFit, sample: &EyeSample| {
             let expected =
@@ -337,7 +337,7 @@ impl Motion {
     }
 
     fn is_turning(&self, settings: &GazeSettings) -> bool {
-        // The first ones may be a tail of what was before.
+        // The first samples may be the tail of a saccade.
         if self.line.count() < TURNING_COUNT.min(self.memory(settings)) {
             return false;
         }

@@ -119,7 +119,7 @@ impl SaccadePath {
         let seconds = sample.seconds_since(self.newest.time_ns);
         self.speed_deg_s = sample.angle_deg(self.newest.directions) / seconds;
         self.newest = sample;
-        // The newest one is always among those that are kept, and takes the place of one that is too near to the one before.
+        // The newest sample is always kept: in place of the last one, if that is too near to its predecessor.
         let before = self.count.checked_sub(2).map(|index| self.samples[index].time_ns);
         let replaced = before
             .is_some_and(|before| self.samples[self.count - 1].time_ns.saturating_sub(before) < KEPT_STEP_NS);
@@ -166,7 +166,7 @@ impl SaccadePath {
     fn predicted(&self, noise_deg: f32) -> Landing {
         let start = middle(&self.start);
         let samples = &self.samples[..self.count];
-        // What is farther away tells more of the direction.
+        // Farther samples tell more of the direction.
         let away: Vec3 = samples.iter().map(|sample| middle(sample) - start).sum::<Vec3>();
         let toward = (start + away).normalize_or(start);
         let gone_deg = eccentricity(start, middle(&self.newest)).to_degrees();
@@ -203,7 +203,7 @@ impl SaccadePath {
         let mut amplitude = LEAST_AMPLITUDE_DEG;
         for likelihood in &mut likelihoods {
             likelihood.amplitude_deg = amplitude;
-            // Each step stands for a range of amplitudes that is as wide as it is large.
+            // Each step stands for a range of amplitudes as wide as its own amplitude.
             let scatter = noise_deg.hypot(PATH_ERROR * amplitude);
             if ((farthest - amplitude).max(0.0) / scatter).powi(2) > MOST_MISSES {
                 amplitude *= AMPLITUDE_FACTOR;
@@ -285,7 +285,7 @@ impl Course {
             less += likelihood.weight;
             less >= 0.5 * whole
         })?;
-        // The part of its step, of those that are no larger than it.
+        // Share of the median's step below the median.
         let part = (less - 0.5 * whole) / median.weight;
         let amplitude_deg = median.amplitude_deg * AMPLITUDE_FACTOR.powf(0.5 - part);
         let square =

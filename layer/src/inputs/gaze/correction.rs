@@ -301,7 +301,7 @@ impl CorrectionRequests {
     }
 }
 
-/// The correction of a file, as it is stored and for frames.
+/// The correction of a file, in the file's form and in that of frames.
 fn read(file: &Path) -> Result<Option<(GazeCorrection, Option<Correction>)>, String> {
     let Some(stored) = GazeCorrection::read(file)? else { return Ok(None) };
     let known = known(&stored).map_err(|fault| format!("{}: {fault}", file.display()))?;
@@ -320,7 +320,7 @@ fn known(stored: &GazeCorrection) -> Result<Option<Correction>, &'static str> {
     Ok(source.map(|source| Correction { source, calibration, offset_deg: stored.offset_deg }))
 }
 
-/// A fit as it is stored.
+/// The file's form of a fit.
 fn stored(fit: &CalibrationFit) -> GazeCalibration {
     GazeCalibration {
         coefficients_deg: fit.polynomial.coefficients_deg(),

@@ -107,7 +107,7 @@ fn a_measured_offset_is_removed_in_this_session_and_in_later_ones_of_the_source(
     let (correcting, _later) = requests(&session.environment);
     let look = Look::At { direction: direction([3.0, -1.0]), sampled_ns: 1 };
     assert!(is_near(angles(correcting.corrected(Holder::Eyes, look, 1)), [0.0, 0.0]));
-    // A second measurement is of the tracker, not of what the first one left.
+    // A second measurement is of the tracker itself, without the first correction.
     let again = session.measure(2, Holder::Eyes, Some([3.5, -1.0]));
     assert_eq!(again.correction.unwrap().offset_deg, [-3.5, 1.0]);
     // Reset, by another process.

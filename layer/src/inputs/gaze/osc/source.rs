@@ -25,7 +25,7 @@ pub struct OscSource {
     failure: Option<(ErrorKind, Instant)>,
     heard: Option<NewestGaze>,
     times: SampleTimes,
-    /// Those that the application is told, which asks for other times than the frames' plans.
+    /// Sample times for the application, which asks for other display times than the plans of frames.
     application_times: SampleTimes,
 }
 
