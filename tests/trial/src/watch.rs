@@ -158,8 +158,9 @@ mod tests {
 
     #[test]
     fn a_process_that_hangs_is_killed_with_its_children() {
-        // In a session of its own, with nothing of our environment: as servers are started.
-        let ended = sh("env -i setsid sleep 600 & echo $!; wait", Duration::from_millis(300));
+        // In a session of its own, with nothing of our environment: as servers are started. On a busy machine, the shell needs a second
+        // until it has printed.
+        let ended = sh("env -i setsid sleep 600 & echo $!; wait", Duration::from_secs(4));
         assert_eq!(ended.status, None);
         assert!(ended.time < Duration::from_secs(60), "{:?}", ended.time);
         assert!(!ended.output.is_empty() && !is_alive(&ended.output), "{}", ended.output);
