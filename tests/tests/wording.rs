@@ -16,7 +16,7 @@ const BANNED: &str = include_str!("wording/banned.txt");
 const RELATIVE: [&str; 10] =
     ["what", "whatever", "who", "whoever", "whose", "which", "whichever", "where", "wherever", "those"];
 
-const DOCUMENTS: [&str; 12] = [
+const DOCUMENTS: [&str; 13] = [
     "README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
@@ -27,6 +27,7 @@ const DOCUMENTS: [&str; 12] = [
     "layer/README.md",
     "tests/runtime/README.md",
     "tests/baselines/backends.md",
+    "tests/baselines/engines.md",
     "tests/baselines/figures.md",
     "tests/baselines/styles.md",
 ];
