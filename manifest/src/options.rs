@@ -241,7 +241,7 @@ presets! {
         }
         /// balanced with chroma attenuation, for frames that are streamed to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
-        /// for headsets without an eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
+        /// wide fixed foveation, for headsets without an eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
         Fixed = "fixed" {
             gaze.source = GazeSource::Centre;
             rates.mode = RatesMode::Fixed;
