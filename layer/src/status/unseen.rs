@@ -70,7 +70,9 @@ fn maps(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
         let refused = known.decisions.iter().filter(|decision| decision.topic == Topic::NoBackend);
         let refused: Vec<&str> = refused.map(|decision| decision.line.as_str()).collect();
         return Some(match refused.is_empty() {
-            true => "no backend for shading rates on this device; the log gives the reason earlier".to_owned(),
+            true => {
+                "no backend for shading rates on this device; the log gives the reason earlier".to_owned()
+            }
             false => format!("no backend for shading rates on this device ({})", refused.join(", ")),
         });
     }

@@ -107,7 +107,11 @@ fn packets(osc: &Osc) -> String {
     .map(|(count, kind)| format!("{count} {kind}"))
     .collect();
     let unused = if unused.is_empty() { String::new() } else { format!("; unused: {}", unused.join(", ")) };
-    let floods = if osc.floods > 0 { format!("; above the packet limit: {} times", osc.floods) } else { String::new() };
+    let floods = if osc.floods > 0 {
+        format!("; above the packet limit: {} times", osc.floods)
+    } else {
+        String::new()
+    };
     format!("{} at {}{unused}{floods}", osc.packets, osc.address)
 }
 

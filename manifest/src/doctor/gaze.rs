@@ -118,7 +118,8 @@ fn packets(surroundings: &Surroundings, config: &Config, running: &[Status]) -> 
     if !running.iter().any(is_ours) && is_taken(surroundings, address) {
         let found = format!("another program already receives at {} (gaze.osc_listen)", address.socket());
         let means = "Games cannot receive OSC packets of an eye tracker.";
-        let advice = "set gaze.osc_listen to a free port, and let the eye tracker's program send OSC packets there";
+        let advice =
+            "set gaze.osc_listen to a free port, and let the eye tracker's program send OSC packets there";
         let finding = match config.gaze.source {
             GazeSource::Osc => Finding::problem("osc-port-taken", found, means),
             _ => Finding::warning("osc-port-taken", found, means),

@@ -100,7 +100,9 @@ fn measured(
     let Status { pid, debug_view, .. } = &chosen(found)?;
     let before = debug_view.is_asked.then(|| DebugView::of_name(&debug_view.name)).flatten();
     crate::print(match kind {
-        GazeMeasurement::Recentre => "Look at the red dot in the headset until it disappears. Do not move your head.\n",
+        GazeMeasurement::Recentre => {
+            "Look at the red dot in the headset until it disappears. Do not move your head.\n"
+        }
         GazeMeasurement::Calibrate => {
             "Follow the red dot in the headset with your eyes until it disappears. Do not move your head.\n"
         }
