@@ -80,7 +80,7 @@ choice! {
     SilenceRule {
         /// the rings of mode = "fixed"
         Fixed = "fixed",
-        /// by image contrast alone, with a loss of 1.8 less than rates.greatest_loss
+        /// by image contrast alone, with a greatest loss of 1.8 less than rates.greatest_loss
         Contrast = "contrast",
     }
 }
@@ -102,11 +102,11 @@ choice! {
 choice! {
     /// Reaction of rates and re-use to a slowdown.
     RatesGate {
-        /// drop a technique that slows frames down, by measured GPU or CPU time, and retry it from time to time
+        /// drop a technique without a clear saving of GPU time (CPU time on CPU devices), and try it again from time to time
         Auto = "auto",
-        /// keep both, even with a slowdown
+        /// keep both techniques, even with a slowdown
         On = "on",
-        /// drop both, but keep everything else active: for comparison
+        /// drop both techniques, but keep everything else active: for comparison
         Off = "off",
     }
 }
@@ -198,7 +198,7 @@ choice! {
 }
 
 choice! {
-    /// Overlay on the pictures in the headset; see the guide.
+    /// Overlay on the images in the headset; see the guide.
     DebugView {
         /// no overlay
         None = "none",
@@ -225,14 +225,14 @@ presets! {
     Preset {
         /// every technique off
         None = "none" { rates.mode = RatesMode::Off; }
-        /// at least a quarter of the shading in the periphery, and half the contrast loss of balanced on a GPU, which few users notice
+        /// few visible changes: at least a quarter of the shading in the periphery, and on a GPU at most half of the contrast loss that balanced allows
         Quality = "quality" {
             rates.peripheral = PeripheralRate::R2x2;
             rates.greatest_loss = 4.0;
         }
         /// on a GPU, coarse where that loses little contrast; on a CPU device, an eighth of the shading from 27 degrees on
         Balanced = "balanced" {}
-        /// one and a half times the contrast loss of balanced on a GPU; on a CPU device, a sixteenth of the shading from 18 degrees on; users notice it at times
+        /// more visible changes: on a GPU, up to one and a half times the contrast loss that balanced allows; on a CPU device, a sixteenth of the shading from 18 degrees on
         Performance = "performance" {
             rates.transitional_deg = 18.39;
             rates.peripheral = PeripheralRate::R4x4;
@@ -241,7 +241,7 @@ presets! {
         }
         /// balanced with chroma attenuation, for frames that are streamed to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
-        /// no eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
+        /// wide fixed foveation, for headsets without an eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
         Fixed = "fixed" {
             gaze.source = GazeSource::Centre;
             rates.mode = RatesMode::Fixed;
@@ -282,17 +282,17 @@ options! {
         source: GazeSource = GazeSource::Auto;
         /// Time for which the last gaze stays in use after the tracker loses the eyes, for instance in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
-        /// Delay before the layer attaches the eye tracker in an application without OpenXR input; OpenXR input that the application sets up later does not work; 0 means never.
+        /// Delay until the layer attaches the eye tracker in an application without OpenXR input, which cannot set up OpenXR input after that; 0 for never.
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
-        /// Correction of the eye tracker: angles to the left and upwards, which are added to the gaze, before the correction that parafovea gaze calibrate or recentre measured.
+        /// Correction of the eye tracker, in degrees to the left and upwards; added to the gaze before the correction from parafovea gaze calibrate or recentre.
         offset_deg: Angles = Angles::NONE;
-        /// Address and port for source = "osc" or "auto"; other computers can send to any address but one of the loopback, such as 127.0.0.1.
+        /// Address and port that receive OSC packets, for source = "osc" or "auto"; unless it is a loopback address such as 127.0.0.1, other computers can send, too.
         osc_listen: ListenAddress = ListenAddress::loopback(9020);
-        /// Angle of the value 1 in OSC messages without a unit, those of VRCFaceTracking and Baballonia.
+        /// Angle for the value 1 in the OSC formats without a unit, those of VRCFaceTracking and Baballonia.
         osc_scale_deg: f32 = 45.0, 10.0..=60.0 "degrees";
         /// Recording for source = "file": each line has seconds, degrees left and degrees up, separated by commas, or seconds alone while the eyes are lost.
         file: FilePath = FilePath::NONE;
-        /// Permission for the application to read the gaze of source = "osc", "auto" or "file" by XR_EXT_eye_gaze_interaction, where the runtime has no eye gaze; the application may store or send it. Run parafovea install after the first permission, and restart the application.
+        /// Permission for the application to read the gaze through XR_EXT_eye_gaze_interaction, if source is "osc", "auto" or "file" and the runtime has no eye tracker; the application may store or send it. After the first use of this option, run parafovea install, and restart the application.
         offer: bool = false;
         /// New file for a recording of the gaze, in the format of gaze.file; without this option, no file contains the gaze.
         record: FilePath = FilePath::NONE;
@@ -330,7 +330,7 @@ options! {
         foveal_deg: f32 = 14.34, 5.0..=110.0 "degrees";
         /// Angle from the gaze at which the peripheral rate begins; between foveal_deg and this angle, rates become coarser step by step.
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
-        /// Coarsest shading rate, in pixels; a device without it uses the next finer one.
+        /// Coarsest shading rate, in pixels; a device without this rate uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::Auto;
         /// Greatest contrast loss of a tile for mode = "auto" and "audio-visual", in just-noticeable differences, with the loudest sound; up to 1.8 less with other sound and in silence. Tiles lose it only where that saves most.
         greatest_loss: f32 = 8.0, 0.0..=16.0 "";
@@ -348,9 +348,9 @@ options! {
         periods: Periods = Periods::of([1, 1, 2, 2, 3]);
         /// Order in which regions are updated, for mode = "on".
         phase: ReusePhase = ReusePhase::Staggered;
-        /// Permission to update regions less than 30 times per second, although flicker is then at its worst; always given in mode = "paper".
+        /// Permission to update regions less than 30 times per second, where flicker is most visible; always given with mode = "paper".
         below_30_hz: bool = false;
-        /// Rendering of tiles with visible changes in every frame, within the time that re-use saves; never in mode = "paper".
+        /// Rendering of tiles with visible changes in every frame, within the time that re-use saves; always off with mode = "paper".
         refresh: bool = true;
     }
 

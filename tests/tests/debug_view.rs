@@ -292,7 +292,7 @@ fn parafovea_status_says_why_a_view_is_not_drawn() {
     let (is_drawn, said) = ask(&["--view", "rates"]);
     assert!(!is_drawn && said.contains("\"rates\" is not visible: no backend on this device"), "{said}");
     let (is_drawn, said) = ask(&["--view", "gaze", "another game"]);
-    assert!(!is_drawn && said.contains("No running application named another game"), "{said}");
+    assert!(!is_drawn && said.contains("no running application named another game"), "{said}");
 }
 
 fn wait_until(running: &Running, mut is_so: impl FnMut() -> bool) {

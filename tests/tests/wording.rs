@@ -16,7 +16,7 @@ const BANNED: &str = include_str!("wording/banned.txt");
 const RELATIVE: [&str; 10] =
     ["what", "whatever", "who", "whoever", "whose", "which", "whichever", "where", "wherever", "those"];
 
-const DOCUMENTS: [&str; 7] = [
+const DOCUMENTS: [&str; 13] = [
     "README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
@@ -24,6 +24,12 @@ const DOCUMENTS: [&str; 7] = [
     "manifest/GUIDE.md",
     "manifest/HOW-IT-WORKS.md",
     "manifest/OPTIONS.md",
+    "layer/README.md",
+    "tests/runtime/README.md",
+    "tests/baselines/backends.md",
+    "tests/baselines/engines.md",
+    "tests/baselines/figures.md",
+    "tests/baselines/styles.md",
 ];
 
 /// Sources with messages and help texts.

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
     /// A Vulkan function that we need is not there.
-    #[error("the device has no function {0:?}")]
+    #[error("the device has no function {}", .0.to_string_lossy())]
     Missing(&'static CStr),
     /// The queue, a format, a size or a usage is not one that we can work with.
     #[error("not supported: {0}")]

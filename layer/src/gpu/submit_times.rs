@@ -71,7 +71,8 @@ impl SubmitTimes {
             match unsafe { device.create_query_pool(&info, None) } {
                 Ok(pool) => self.pool = pool,
                 Err(result) => {
-                    GpuError::Call { call: "vkCreateQueryPool", result }.log("our own work is not timed");
+                    GpuError::Call { call: "vkCreateQueryPool", result }
+                        .log("the layer's own work is not timed");
                     self.mask = 0;
                     self.unread[index] = None;
                     return;

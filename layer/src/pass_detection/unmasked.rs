@@ -118,7 +118,7 @@ impl fmt::Display for Unmasked {
             Self::SideEffects => "fragment shaders write to buffers or storage images",
             Self::OwnRates => "the application sets shading rates itself",
             Self::Suspended => "rendering is suspended or resumed",
-            Self::ShadesHidden => "the device shades hidden fragments of several samples",
+            Self::ShadesHidden => "the device shades hidden fragments of multisampled passes",
             Self::NothingStored => "no colour attachment is stored",
             Self::ColorFormat(format) => return write!(f, "{format:?} cannot be interpolated"),
             Self::NotFillable => "a colour image cannot be copied",

@@ -165,7 +165,7 @@ impl fmt::Display for OwnShare {
             [maps_ns, analysis_ns, pictures_ns].map(|ns| 100.0 * ns as f64 / self.ns as f64);
         write!(
             f,
-            "; GPU time of the layer itself: {maps:.1} % for rates, {analysis:.1} % for contrast, {pictures:.1} % for pictures"
+            "; the layer's own share of GPU time: {maps:.1} % for rates, {analysis:.1} % for contrast, {pictures:.1} % for images"
         )
     }
 }
@@ -175,7 +175,7 @@ fn news(technique: &str, gate: &Gate, own: &OwnShare) -> Option<String> {
     let (ratio, [low, high]) = gate.evidence().ratio()?;
     let change = match (gate.is_kept(), gate.evidence().verdict()) {
         (true, _) => "resumed",
-        (false, Verdict::Unclear) => "off, no clear saving",
+        (false, Verdict::Unclear) => "dropped, no clear saving",
         (false, _) => "dropped",
     };
     let effect = effect([ratio, low, high].map(|ratio| ratio as f32));
@@ -280,7 +280,7 @@ mod tests {
             }
             assert_eq!(benefit.is_kept().rates, is_kept, "{ratio}: {said:?}");
             let own =
-                "; GPU time of the layer itself: 1.0 % for rates, 0.0 % for contrast, 2.0 % for pictures";
+                "; the layer's own share of GPU time: 1.0 % for rates, 0.0 % for contrast, 2.0 % for images";
             assert!(said.iter().all(|line| line.ends_with(own)), "{said:?}");
             let (found, _) = benefit.gates.gates().rates.evidence().ratio().unwrap();
             assert!((found / ratio - 1.0).abs() < 0.02, "{found}, not {ratio}");

@@ -59,8 +59,8 @@ fn rates(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
         return None;
     }
     Some(match is_blind(snapshot) {
-        true => "the gaze is unknown, and the whole view is close to its centre".to_owned(),
-        false => "every tile is closer to the gaze than rates.foveal_deg and the tracker's error".to_owned(),
+        true => "the gaze is unknown, and the whole view is within the wide area of full rate".to_owned(),
+        false => "every tile is closer to the gaze than rates.foveal_deg plus the tracker's error".to_owned(),
     })
 }
 
@@ -70,7 +70,9 @@ fn maps(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
         let refused = known.decisions.iter().filter(|decision| decision.topic == Topic::NoBackend);
         let refused: Vec<&str> = refused.map(|decision| decision.line.as_str()).collect();
         return Some(match refused.is_empty() {
-            true => "no backend for shading rates on this device; the reason is above in the log".to_owned(),
+            true => {
+                "no backend for shading rates on this device; the log gives the reason earlier".to_owned()
+            }
             false => format!("no backend for shading rates on this device ({})", refused.join(", ")),
         });
     }
@@ -93,8 +95,8 @@ fn maps(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
                          command buffers were recorded before recognition, or pipelines are still being compiled"
             .to_owned(),
         (true, true) => {
-            "the scene was recognised, but none of its render passes could get rates; the reason is \
-                         above in the log"
+            "the scene was recognised, but none of its render passes could get rates; the log gives \
+                         the reason earlier"
                 .to_owned()
         }
         (false, _) => "no render pass was recognised as the scene; rates.passes can name it".to_owned(),
@@ -122,7 +124,7 @@ fn reuse(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
 
 fn chroma(config: &Config, snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     if !known.is_healthy {
-        return Some("off after a failure, which is above in the log".to_owned());
+        return Some("off after a failure, which the log names earlier".to_owned());
     }
     if snapshot.attenuates_colour && known.has_own_images {
         return None;
@@ -136,7 +138,7 @@ fn chroma(config: &Config, snapshot: &StatusSnapshot, known: &Known) -> Option<S
     })
 }
 
-const DROPPED: &str = "dropped by rates.gate: a slowdown here, or rates.gate = \"off\"";
+const DROPPED: &str = "dropped by rates.gate: no clear saving in this application, or rates.gate = \"off\"";
 
 const NO_IMAGES: &str = "no swapchain is virtual: all were created before the technique was enabled, or are not eligible; \
                          restart the application";

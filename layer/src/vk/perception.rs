@@ -86,7 +86,7 @@ impl Perception {
         let Some(tools) = self.tools(own.record) else { return };
         let [_, _, width, height] = record.rect;
         if [width, height] != extent {
-            self.log_once("the size of the eye buffers differs from the plan");
+            self.log_once("the size of the eye buffers differs from the planned one");
             return self.forget_eye(eye);
         }
         // SAFETY: the record names the queue of the device's session, which was created with the device.

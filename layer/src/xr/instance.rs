@@ -245,7 +245,7 @@ fn track(
     let hooked = config.and_then(|config| {
         // SAFETY: xrGetInstanceProcAddr returns the function of the name that it is given.
         let next = unsafe { Next::load(get) }
-            .inspect_err(|missing| tracing::error!("inert: the runtime has no {missing:?}"))
+            .inspect_err(|missing| tracing::error!("inert: the runtime has no {}", missing.to_string_lossy()))
             .ok()?;
         let is_offered = config.snapshot().gaze.offer;
         let may_offer = match eye_gaze {

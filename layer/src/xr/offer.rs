@@ -69,7 +69,10 @@ impl Offer {
         let functions = unsafe { OfferNext::load(get) };
         let functions = functions
             .inspect_err(|missing| {
-                tracing::info!("no gaze for the application: the runtime has no {missing:?}")
+                tracing::info!(
+                    "no gaze for the application: the runtime has no {}",
+                    missing.to_string_lossy()
+                )
             })
             .ok()?;
         let paths = gaze_paths(next, instance)

@@ -105,7 +105,7 @@ fn summary(findings: &[Finding]) -> String {
         _ => format!("{}, {}.", counted(problems, "problem"), counted(warnings, "warning")),
     };
     if fixable > 0 {
-        line += &format!(" parafovea doctor --fix can repair {fixable} of them.");
+        line += &format!(" parafovea doctor --fix can repair {fixable} of these.");
     }
     line + "\n"
 }

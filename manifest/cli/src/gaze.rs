@@ -14,13 +14,13 @@ use std::process::ExitCode;
 pub struct Options {
     #[command(subcommand)]
     command: Option<Command>,
-    /// Application to show: its OpenXR application name, its executable's name or its process ID
+    /// Application to show, by OpenXR application name, executable name or process ID
     #[arg(value_name = "APPLICATION")]
     application: Option<String>,
     /// Show the state once, instead of every second
     #[arg(long)]
     once: bool,
-    /// Print one JSON object per application and second, each on its own line
+    /// Print one JSON object per line, for each application and second
     #[arg(long)]
     json: bool,
 }
@@ -54,7 +54,7 @@ fn of_all(found: &[Found]) -> String {
         })
         .collect();
     if active.is_empty() {
-        return "No running application has an active OpenXR session with Parafovea; parafovea status shows inert ones.\n"
+        return "No running application has an active OpenXR session with Parafovea. To list inert applications too: parafovea status\n"
             .to_owned();
     }
     active.join("\n")
@@ -69,7 +69,7 @@ fn of_one(status: &Status) -> String {
     };
     line("gaze", &gaze.to_string());
     line("source", &format!("gaze.source = \"{}\"", gaze.source));
-    let known = |value: Option<String>| value.unwrap_or_else(|| "not known".to_owned());
+    let known = |value: Option<String>| value.unwrap_or_else(|| "unknown".to_owned());
     if gaze.holder != "centre" {
         line("rate", &known(gaze.rate_hz.map(|rate| format!("{rate:.0} Hz"))));
         line("age", &known(gaze.age_ms.map(|age| format!("{age:.0} ms at display time"))));
@@ -107,7 +107,11 @@ fn packets(osc: &Osc) -> String {
     .map(|(count, kind)| format!("{count} {kind}"))
     .collect();
     let unused = if unused.is_empty() { String::new() } else { format!("; unused: {}", unused.join(", ")) };
-    let floods = if osc.floods > 0 { format!("; too many at {} times", osc.floods) } else { String::new() };
+    let floods = if osc.floods > 0 {
+        format!("; above the packet limit: {} times", osc.floods)
+    } else {
+        String::new()
+    };
     format!("{} at {}{unused}{floods}", osc.packets, osc.address)
 }
 
@@ -172,7 +176,7 @@ mod tests {
             "  blinks    4",
             "  saccades  37",
             "  drift     the mean gaze has drifted by 2.1 degrees since the first five minutes; if the headset slipped: parafovea gaze recentre",
-            "  packets   1200 at 127.0.0.1:9020; unused: 3 malformed, 5 from a second sender; too many at 2 times",
+            "  packets   1200 at 127.0.0.1:9020; unused: 3 malformed, 5 from a second sender; above the packet limit: 2 times",
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
         }

@@ -25,7 +25,7 @@ fn list(places: &[PathBuf]) -> String {
 /// Whom it is installed for.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct Scope {
-    /// Installation for all users, below /usr/local/share; needs root
+    /// Apply to the installation for all users, below /usr/local/share; needs root
     #[arg(long)]
     system: bool,
     /// Print the steps without taking them

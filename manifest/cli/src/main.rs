@@ -57,7 +57,7 @@ enum Command {
         #[command(flatten)]
         options: status::Options,
     },
-    /// Show source and quality of the gaze in running applications, every second
+    /// Show source and quality of the gaze in running applications, updated every second; measure and correct the eye tracker
     Gaze {
         #[command(flatten)]
         options: gaze::Options,

@@ -203,7 +203,7 @@ fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> 
         return Err(Failure::Exists(path));
     }
     write(&path, kinds::file(kind))?;
-    Ok(format!("{}: written for {kind}\n", path.display()))
+    Ok(format!("{}: created, with settings for {kind}\n", path.display()))
 }
 
 /// Prints a line for each error in any file.

@@ -110,7 +110,7 @@ fn a_doctor_that_can_ask_nobody_says_what_is_wrong_and_fixes_what_is_ours() {
     let doctor = |arguments: &[&str]| parafovea(home.path(), &[&["doctor"], arguments].concat());
     let text = printed(&doctor(&[]));
     for expected in
-        ["problem  ", "enabled = 1 is not allowed", "To do: correct that line", "--fix can repair "]
+        ["problem  ", "enabled = 1 is not allowed", "To do: correct this line", "--fix can repair "]
     {
         assert!(text.contains(expected), "{expected} in\n{text}");
     }

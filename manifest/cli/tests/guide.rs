@@ -46,9 +46,9 @@ fn each_command_of_the_guide_works() {
         // With an application that runs, the end-to-end tests do it.
         let complaint = match command {
             "parafovea gaze recentre" | "parafovea gaze calibrate" => {
-                Some("no running application with an active OpenXR session")
+                Some("no running application has an active OpenXR session")
             }
-            _ if command.contains("--view") => Some("No running application has an OpenXR session"),
+            _ if command.contains("--view") => Some("no running application has an OpenXR session"),
             _ => None,
         };
         if let Some(complaint) = complaint {

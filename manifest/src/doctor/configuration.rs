@@ -27,7 +27,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
                     line,
                     "The whole file is ignored: the previous settings, or the defaults, apply.",
                 )
-                .advise("correct that line; parafovea config default shows every option")
+                .advise("correct this line; parafovea config default prints every option")
             }));
         }
     }

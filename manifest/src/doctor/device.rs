@@ -79,7 +79,7 @@ fn of_devices(devices: &[Device]) -> Vec<Finding> {
             Finding::warning(
                 "no-gpu",
                 "Vulkan finds no GPU, only a device that renders on the CPU",
-                "Virtual reality is too slow on it, with or without Parafovea.",
+                "It is too slow for virtual reality, with or without Parafovea.",
             )
             .advise(
                 "install the driver of your GPU (Debian, Ubuntu: mesa-vulkan-drivers, or the NVIDIA driver)",
@@ -99,7 +99,7 @@ fn of_device(device: &Device) -> Option<Finding> {
         let finding = Finding::warning(
             "no-shading-rates",
             format!("{name} does not support shading-rate attachments (VK_KHR_fragment_shading_rate)"),
-            "Parafovea uses a mask instead, which suits fewer games and saves less.",
+            "Parafovea uses a mask instead, which works in fewer games and loses more contrast.",
         )
         .advise(
             "update the driver; NVIDIA GPUs since RTX 20, AMD GPUs since RX 6000 and Intel Arc support it",
@@ -112,10 +112,10 @@ fn of_device(device: &Device) -> Option<Finding> {
     let layers = if device.layered { "a layer for each eye" } else { "one layer for both eyes" };
     let samples = match device.samples {
         0 => String::new(),
-        samples => format!(", with up to {samples} samples a pixel"),
+        samples => format!(", and up to {samples} samples per pixel"),
     };
     let found = format!(
-        "{name} supports shading rates up to {coarsest}, in tiles of {texel} pixels, {layers}{samples}"
+        "{name} supports shading rates up to {coarsest}, in tiles of {texel} pixels, with {layers}{samples}"
     );
     Some(match coarsest {
         "4x4" => Finding::good("shading-rates", found),
@@ -212,7 +212,7 @@ fn of_runtime(runtime: &RuntimeAnswer, config: &Config) -> Vec<Finding> {
             Finding::note(
                 "no-headset",
                 format!("{} has no headset at present: {reason}", runtime.name),
-                "Its eye tracking can be checked only while it is on.",
+                "The eye tracking of a headset can be checked only while it is on.",
             )
             .advise("turn the headset on, then run parafovea doctor again"),
         );
@@ -225,7 +225,7 @@ fn without_eyes(config: &Config) -> String {
     let address = config.gaze.osc_listen.socket();
     let auto = if config.gaze.source == GazeSource::Eyes { "set gaze.source = \"auto\" and " } else { "" };
     format!(
-        "for an eye tracker with a program of its own, {auto}have that send OSC packets to {address}; for fixed foveation, set \
-         gaze.source = \"centre\""
+        "for an eye tracker with a program of its own, {auto}let the program send OSC packets to {address}; for fixed foveation, \
+         set gaze.source = \"centre\""
     )
 }

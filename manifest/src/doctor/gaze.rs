@@ -50,7 +50,7 @@ fn suitable(surroundings: &Surroundings, config: &Config) -> Option<Finding> {
             ),
             "Shading rates follow another gaze, or none.",
         )
-        .advise("set gaze.source = \"auto\", which uses the best source at any time")
+        .advise("set gaze.source = \"auto\", which uses the best available source")
     })
 }
 
@@ -116,9 +116,10 @@ fn packets(surroundings: &Surroundings, config: &Config, running: &[Status]) -> 
         status.gaze.osc.address == address.socket().to_string() && status.gaze.osc.failure.is_empty()
     };
     if !running.iter().any(is_ours) && is_taken(surroundings, address) {
-        let found = format!("another program receives at {} (gaze.osc_listen)", address.socket());
+        let found = format!("another program already receives at {} (gaze.osc_listen)", address.socket());
         let means = "Games cannot receive OSC packets of an eye tracker.";
-        let advice = "set gaze.osc_listen to a free port, and send the eye tracker's OSC packets there";
+        let advice =
+            "set gaze.osc_listen to a free port, and let the eye tracker's program send OSC packets there";
         let finding = match config.gaze.source {
             GazeSource::Osc => Finding::problem("osc-port-taken", found, means),
             _ => Finding::warning("osc-port-taken", found, means),
@@ -127,7 +128,7 @@ fn packets(surroundings: &Surroundings, config: &Config, running: &[Status]) -> 
     } else {
         findings.push(Finding::good(
             "osc-port",
-            format!("OSC packets of eye trackers are received at {}", address.socket()),
+            format!("OSC packets of eye trackers can be received at {}", address.socket()),
         ));
     }
     findings

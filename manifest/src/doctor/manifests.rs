@@ -217,7 +217,7 @@ pub(super) fn anybody_may_write(path: &Path, used: &str) -> Option<Finding> {
         Finding::warning(
             "anybody-may-write",
             format!("every user of this machine can change {}", path.display()),
-            format!("It is {used}, so other users could change their behaviour."),
+            format!("It is {used}, so other users could change the behaviour of games."),
         )
         .advise(format!("chmod go-w {}", path.display()))
         .fixed_by(Fix::Restrict(path.to_owned()))

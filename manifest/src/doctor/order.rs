@@ -51,9 +51,9 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
             Finding::warning(
                 "layer-order",
                 format!("OpenXR layers between game and Parafovea: {}", nearer.join(", ")),
-                "Parafovea does not see their changes to views and pictures: its rates may be misplaced.",
+                "Parafovea does not know their changes to views and images: its shading rates may be misplaced.",
             )
-            .advise("if the coarse area is misplaced, turn them off one by one; the loader finds their manifests before Parafovea's, which is in your home"),
+            .advise("if the coarse area is misplaced, turn these layers off one by one; the loader finds their manifests before Parafovea's, which is in your home"),
         );
     } else if !nearer.is_empty() || !farther.is_empty() {
         let all = [nearer, vec!["Parafovea"], farther].concat().join(", ");

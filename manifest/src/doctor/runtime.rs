@@ -16,8 +16,8 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
             "Games find no headset: the OpenXR loader finds no active_runtime.json.",
         )
         .advise(
-            "make a runtime the active one: in SteamVR under Settings > OpenXR; WiVRn and Monado do so at startup; \
-             or link its openxr_*.json to ~/.config/openxr/1/active_runtime.json",
+            "set the active runtime: in SteamVR under Settings > OpenXR; WiVRn and Monado set it at startup; otherwise, \
+             link the runtime's openxr_*.json to ~/.config/openxr/1/active_runtime.json",
         ),
     }]
 }
@@ -49,7 +49,7 @@ fn of_manifest(surroundings: &Surroundings, path: &Path) -> Finding {
     let shown = path.display();
     let wrong = |reason: String| {
         Finding::problem("runtime-broken", format!("{shown} {reason}"), "Games find no headset.")
-            .advise("start the runtime that you use, or make it the active one again")
+            .advise("start your runtime, or set it as the active runtime again")
     };
     let text = match fs::read_to_string(path) {
         Ok(text) => text,

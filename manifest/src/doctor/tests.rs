@@ -138,7 +138,7 @@ fn a_healthy_machine_has_nothing_to_do() {
         "OpenXR loader 1.0.20: ",
         "Vulkan loader 1.3.239: ",
         "OpenXR runtime: Monado ",
-        "A GPU supports shading rates up to 4x4, in tiles of 8 to 16 pixels, a layer for each eye, with up to 4 samples a pixel",
+        "A GPU supports shading rates up to 4x4, in tiles of 8 to 16 pixels, with a layer for each eye, and up to 4 samples per pixel",
         "A GPU: a device was created with the layer",
         "A headset is connected and tracks eyes",
         "configuration: ",
@@ -177,7 +177,7 @@ fn capabilities_and_quirks_of_the_gpu_are_reported() {
         found[0],
         (
             "shading-rates",
-            "AMD Radeon RX 6800 (RADV NAVI21) supports shading rates up to 2x2, in tiles of 8 pixels, one layer for both eyes, with up to 8 samples a pixel".to_owned()
+            "AMD Radeon RX 6800 (RADV NAVI21) supports shading rates up to 2x2, in tiles of 8 pixels, with one layer for both eyes, and up to 8 samples per pixel".to_owned()
         )
     );
     let quirks = |found: &[(&str, String)]| found.iter().filter(|(id, _)| *id == "quirk").count();

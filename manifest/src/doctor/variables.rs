@@ -35,7 +35,7 @@ fn half_enabled(surroundings: &Surroundings) -> Option<Finding> {
             format!("{ENABLE_VARIABLE} is {:?} instead of 1", value.to_string_lossy()),
             "The OpenXR loader checks only that it is set, the Vulkan loader that it is 1: only one half is loaded, and has no effect alone.",
         )
-        .advise(format!("{ENABLE_VARIABLE}=1 turns it on; to turn it off, unset it")),
+        .advise(format!("{ENABLE_VARIABLE}=1 turns the layer on; to turn it off, unset the variable")),
     )
 }
 
@@ -85,7 +85,7 @@ fn other_folders(surroundings: &Surroundings) -> Option<Finding> {
         Finding::warning(
             "other-folders",
             format!("VK_IMPLICIT_LAYER_PATH is {:?}", folders.to_string_lossy()),
-            "Newer Vulkan loaders then search no other folder for implicit layers.",
+            "Newer Vulkan loaders search only this folder for implicit layers.",
         )
         .advise("use VK_ADD_IMPLICIT_LAYER_PATH, which adds to the usual folders"),
     )

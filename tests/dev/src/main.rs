@@ -24,12 +24,13 @@ use std::process::ExitCode;
 const HELP: &str = "\
 Usage: cargo dev TASK, in any folder of the repository
 
-  setup                 install missing programs and libraries (on Debian and Ubuntu; on other systems, name them). Every task does this
-                        first
+  setup                 install missing programs and libraries (on Debian and Ubuntu; on other systems, name them). Every task does
+                        this first
   demo [--json] [APPLICATION ...]
-                        run three applications (our test scene, a rendering style of the zoo, and unmodified hello_xr), or the named ones of
-                        them, without the layer and with its default preset, while the gaze moves: CPU time, shaded samples, errors, and
-                        decisions of the layer; pictures in target/demo/. Installs and builds only its own dependencies
+                        run three applications, or only the named ones, without the layer and with its default preset, while the
+                        gaze moves: courtyard (our test scene), render-pass (a rendering style of the zoo) and hello_xr (unmodified).
+                        Prints CPU time, shaded samples, errors and the decisions of the layer; writes pictures to target/demo/.
+                        Installs and builds only its own dependencies
   test [--strict] [PART]
                         run the checks of CI: formatting, clippy, build, documentation and all tests; with PART, only the build, and tests
                         with PART in their names. Each test runs in its own process, with a time limit of 10 minutes; unit tests share
@@ -41,10 +42,12 @@ Usage: cargo dev TASK, in any folder of the repository
                         programs, other layers and configurations, or those with PART in `DEVICE PROGRAM`. --profiles writes the
                         shading-rate capabilities of the drivers to tests/layers/profiles/
   engines [--json] [--turns N] [--scale PERCENT] [PART]
-                        run Godot from Debian sid with each of its renderers, or those with PART in their names, on Monado and lavapipe, with
-                        and without the layer: engaged passes, CPU time, samples, validation messages. Works in target/engines/, as root
+                        run Godot from Debian sid with each of its renderers, or those with PART in their names, on Monado and
+                        lavapipe, with and without the layer: engaged passes, CPU time, samples, validation messages. Works in
+                        target/engines/; needs root
   run [--runtime mock|system] [--config FILE] -- CMD...
-                        run any OpenXR program with the layer (default: on the mock runtime and lavapipe)
+                        run any OpenXR program with the layer, on the mock runtime and lavapipe (the default), or on the runtime and
+                        driver of this system
   zoo [STYLE]           run every rendering style at full length, on both backends, with validation; `test` runs a part
   faults [--validated] [PART]
                         run the whole fault matrix (calls, faults and techniques), or the cells with PART in their names; `test` runs a part.
@@ -55,15 +58,22 @@ Usage: cargo dev TASK, in any folder of the repository
   gpu [--json]          compare the layer's shading rates with an application's own rates, on a GPU with VK_KHR_fragment_shading_rate: images
                         and GPU time, written to tests/gpu-results/; then run the matrix of `drivers`
   bench NAME [--json]   run a benchmark:
-                        break-even (pixel cost above which the layer saves time), budget (shading and loss of ways to choose rates), ears (cost and latency of sound capture),
-                        frame (saving of each technique), gate (decisions of the benefit gate on simulated applications), gaze (errors of the predicted gaze), kernels (cost per view of audio-visual rates and of chroma attenuation),
-                        models (cost and accuracy of the models), safety (shading and loss of contrast while the eyes move),
+                        break-even (pixel cost above which the layer saves time),
+                        budget (shading and loss of methods that choose rates),
+                        ears (cost and latency of sound capture),
+                        frame (saving of each technique),
+                        gate (decisions of the benefit gate on simulated applications),
+                        gaze (errors of the predicted gaze),
+                        kernels (cost per view of audio-visual rates and of chroma attenuation),
+                        models (cost and accuracy of the models),
+                        overhead (cost of the layer; with --driver NAME [CASE...], on one of Mesa's hardware drivers, with a release
+                        build),
                         recognition (precision and recall on frame graphs of engines),
                         reuse (errors of temporal re-use during head rotation),
-                        overhead (cost of the layer; with --driver NAME [CASE...], on one of Mesa's hardware drivers, with a release
-                        build), status (cost of `parafovea status`)
+                        safety (shading and loss of contrast while the eyes move),
+                        status (cost of `parafovea status`)
   bench --compare REV [ARGUMENTS]
-                        run the benchmark `frame` on the working tree and on a commit, in turns: ratios with their spread
+                        run the benchmark `frame` on the working tree and on commit REV, in turns: ratios with their spread
   monado [PART]         run hello_xr, our test scene and every rendering style on Monado, with and without the layer, on a Debian trixie
                         system in target/monado/; needs root and debootstrap
   dist                  write a release build to target/dist/, as an archive with an installer and as a Debian package

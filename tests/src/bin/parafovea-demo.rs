@@ -13,7 +13,10 @@ fn main() -> ExitCode {
     let known: Vec<&str> = exhibits.iter().map(demo::Exhibit::name).collect();
     let unknown = names.iter().find(|name| !known.contains(&name.as_str()));
     if let Some(other) = options.iter().find(|option| *option != "--json").or(unknown) {
-        eprintln!("`{other}`: parafovea-demo takes `--json` and names of applications: {}", known.join(", "));
+        eprintln!(
+            "`{other}`: usage: cargo dev demo [--json] [APPLICATION ...]; applications: {}",
+            known.join(", ")
+        );
         return ExitCode::FAILURE;
     }
     exhibits.retain(|exhibit| names.is_empty() || names.iter().any(|name| name == exhibit.name()));

@@ -59,7 +59,7 @@ pub fn exhibits() -> Vec<Exhibit> {
             let longer = Effort { turns: 3, frames: 150, ..timed };
             exhibits.push(Exhibit { warming: 400, ..exhibit(&scene.with_hello_xr(), longer, 0.03) });
         }
-        Err(missing) => eprintln!("without hello_xr: {missing}"),
+        Err(missing) => eprintln!("hello_xr is omitted: {missing}"),
     }
     exhibits
 }

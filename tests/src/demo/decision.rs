@@ -31,7 +31,7 @@ impl Decision {
         }
         // The figures are of frames with coarser shading and without, as the trial had them.
         if gate.is_on_trial {
-            return Self::left_alone("no decision yet, a trial was in progress in the measured frames");
+            return Self::left_alone("no decision yet: a trial was in progress in the measured frames");
         }
         if !gate.is_kept {
             return Self::left_alone(&format!("trials measured {measured}"));

@@ -47,7 +47,7 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoRates {
     /// Not one of the device's extensions.
-    #[error("the device has no {0:?}")]
+    #[error("the device has no {}", .0.to_string_lossy())]
     Extension(&'static CStr),
     /// A feature of the extension is missing.
     #[error("the device has no {0}")]
@@ -56,7 +56,7 @@ pub enum NoRates {
     #[error("the application enables {0}, which excludes VK_KHR_fragment_shading_rate")]
     Excluded(&'static str),
     /// The instance answers no questions about extensions.
-    #[error("the instance has no {0:?}")]
+    #[error("the instance has no {}", .0.to_string_lossy())]
     Function(&'static CStr),
     /// The device reports impossible properties.
     #[error("the device reports impossible shading rates: {0}")]

@@ -231,7 +231,7 @@ impl MaskMap {
         let Eligible { format: template, depths, .. } = self.eligible;
         let params = SampleParams::new(self.extent, template, depths);
         let (Some(words), Some(params)) = (self.template(), params) else {
-            return Err(GpuError::Unsupported("a template of this size with several samples"));
+            return Err(GpuError::Unsupported("a multisampled template of this size"));
         };
         let skipped = Skipped { params, words };
         // Made without the lock, as above.

@@ -63,7 +63,7 @@ impl Masks {
                     SampleKernel::new(&gpu, kind)
                 };
                 // Asked for without a lock: another thread may have been faster.
-                let new = Arc::new(self.compiler().ask("no masks in passes of several samples", make));
+                let new = Arc::new(self.compiler().ask("no masks in multisampled passes", make));
                 self.sample_kernels.get_or_insert(kind, new)
             }
         };

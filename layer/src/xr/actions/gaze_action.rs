@@ -49,10 +49,11 @@ impl GazeAction {
         instance: xr::Instance,
         wanted: &Wanted,
     ) -> Result<Self, (&'static str, xr::Result)> {
-        let made = Self::make(next, instance, wanted).map_err(|result| ("creating an action set", result))?;
+        let made = Self::make(next, instance, wanted)
+            .map_err(|result| ("creating the action set of the gaze", result))?;
         made.suggest(next, instance, &wanted.applications)
             .inspect_err(|_| destroy(next, made.set))
-            .map_err(|result| ("suggesting its binding", result))?;
+            .map_err(|result| ("suggesting the binding of the gaze", result))?;
         Ok(made)
     }
 

@@ -50,10 +50,12 @@ impl InstanceActions {
         };
         let wanted = self.application().wanted(number);
         let made = wanted
-            .ok_or_else(|| "the application uses the eye tracker with an extension".to_owned())
+            .ok_or_else(|| {
+                "the application extends its bindings for the eye tracker with unknown structures".to_owned()
+            })
             .and_then(|wanted| {
                 GazeAction::create(&instance.next, instance.handle, &wanted)
-                    .map_err(|(what, result)| format!("{what} returned {result:?}"))
+                    .map_err(|(what, result)| format!("{what} failed: {result:?}"))
             })
             .inspect_err(|reason| tracing::info!("no eye tracker: {reason}"))
             .ok();

@@ -14,8 +14,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 /// Measure the eye tracker's offset, and correct it from then on
 ///
 /// A red dot appears in front of the head, in the headset of a running application. Look at it without moving your head until it disappears,
-/// about five seconds. The offset between gaze and dot is stored for this headset and eye tracker, and corrects the gaze in all
-/// applications, in addition to gaze.offset_deg. A calibration stays, and only its offset changes. If the command is interrupted,
+/// after about five seconds. The offset between gaze and dot is stored for this headset and eye tracker, and corrects the gaze in all
+/// applications, in addition to gaze.offset_deg. A stored calibration stays in use; only its offset changes. If the command is interrupted,
 /// parafovea status --view settings removes the dot.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Recentre {
@@ -26,8 +26,9 @@ pub struct Recentre {
 /// Calibrate the eye tracker with nine dots, and correct it from then on
 ///
 /// A red dot appears at nine places one after the other, in the headset of a running application. Follow it with your eyes, without
-/// moving your head, until it disappears, about 15 seconds. The correction of scale, rotation and curvature is stored for this headset and
-/// eye tracker, and applies in all applications. If the command is interrupted, parafovea status --view settings removes the dot.
+/// moving your head, until it disappears, after about 15 seconds. The correction is stored for this headset and eye tracker, and applies in
+/// all applications: a constant angle, and scale, rotation and curvature if they lower the error. If the command is interrupted, parafovea
+/// status --view settings removes the dot.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Calibrate {
     #[command(flatten)]
@@ -36,7 +37,7 @@ pub struct Calibrate {
 
 #[derive(Clone, Debug, clap::Args)]
 struct Options {
-    /// Running application whose headset shows the dot: OpenXR application name, executable name or process ID
+    /// Running application that shows the dot, by OpenXR application name, executable name or process ID
     #[arg(value_name = "APPLICATION")]
     application: Option<String>,
     /// Remove the stored calibrations and offsets of all headsets instead
@@ -99,9 +100,11 @@ fn measured(
     let Status { pid, debug_view, .. } = &chosen(found)?;
     let before = debug_view.is_asked.then(|| DebugView::of_name(&debug_view.name)).flatten();
     crate::print(match kind {
-        GazeMeasurement::Recentre => "Look at the red dot in the headset until it disappears.\n",
+        GazeMeasurement::Recentre => {
+            "Look at the red dot in the headset until it disappears. Do not move your head.\n"
+        }
         GazeMeasurement::Calibrate => {
-            "Follow the red dot in the headset with your eyes until it disappears, without moving your head.\n"
+            "Follow the red dot in the headset with your eyes until it disappears. Do not move your head.\n"
         }
     });
     let outcome = ask(environment, kind, *pid);
@@ -120,10 +123,10 @@ fn chosen(found: Vec<Found>) -> Result<Status, String> {
     match (active.pop(), names.as_slice()) {
         (Some(one), [_]) => Ok(one),
         (Some(_), _) => {
-            Err(format!("several applications are running: {}; name one of them", names.join(", ")))
+            Err(format!("several applications are running; name one of them: {}", names.join(", ")))
         }
         (None, _) => Err(
-            "no running application with an active OpenXR session was found; to list all: parafovea status"
+            "no running application has an active OpenXR session; to list all applications: parafovea status"
                 .to_owned(),
         ),
     }

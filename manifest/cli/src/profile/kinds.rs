@@ -24,20 +24,20 @@ const KINDS: &[Kind] = &[
         name: "proton",
         about: &[
             "Windows games that Proton runs with DXVK or vkd3d-proton.",
-            "They use dynamic rendering, and OpenXR input of their own, to which the layer adds the eye tracker.",
+            "They use dynamic rendering, and their own OpenXR input, to which the layer adds the eye tracker.",
             "Launch options in Steam: PARAFOVEA=1 %command%",
-            "The log has the name of the .exe file.",
+            "The log has the name of the game's .exe file.",
         ],
         settings: &[Suited {
             key: "gaze.attach_alone_after_s",
             value: "0",
-            why: "Games with long loading times set up their OpenXR input late; the layer must not do so before them.",
+            why: "Games with long loading times set up their OpenXR input late; the layer must not attach the eye tracker before that.",
         }],
     },
     Kind {
         name: "unity",
         about: &[
-            "Unity games: one image for both eyes (double-wide, or an array of two), and off-screen render passes",
+            "Unity games: one image for both eyes (double-wide, or an array of two layers), and off-screen render passes",
             "that may be upside-down.",
             "If no render pass is recognised as the scene, name it in rates.passes, with its size from the log:",
             "  passes = \"array 2048x2048\"",
@@ -45,7 +45,7 @@ const KINDS: &[Kind] = &[
         settings: &[Suited {
             key: "rates.backend",
             value: "\"auto\"",
-            why: "Multisampled render passes, common in Unity, need rate attachments; the mask backend leaves them alone.",
+            why: "\"auto\" uses rate attachments if the device has them: in multisampled render passes, common in Unity, masks save less.",
         }],
     },
     Kind {
@@ -83,12 +83,12 @@ const KINDS: &[Kind] = &[
         name: "wgpu",
         about: &[
             "wgpu and Bevy programs: dynamic rendering or Vulkan render passes of their own.",
-            "They enable few device features; Parafovea adds those that it needs.",
+            "They enable few device features; Parafovea enables the others that it needs.",
         ],
         settings: &[Suited {
             key: "gaze.attach_alone_after_s",
             value: "30",
-            why: "Many have no OpenXR input: after this time, the layer attaches the eye tracker.",
+            why: "Many have no OpenXR input: after this delay, the layer attaches the eye tracker.",
         }],
     },
     Kind {
@@ -146,7 +146,7 @@ pub fn file(name: &str) -> String {
         }
         let _ = write!(
             text,
-            "\n# {}\n# Allowed: {}.\n# Here: {}\n{} = {}\n",
+            "\n# {}\n# Allowed: {}.\n# Reason: {}\n{} = {}\n",
             option.doc,
             option.allowed_with_unit(),
             setting.why,

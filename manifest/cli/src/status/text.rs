@@ -13,7 +13,7 @@ pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &E
         text.push(format!(
             "No running application{called} has an OpenXR session with Parafovea.\n\
              To start one: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%.\n\
-             If one is missing here: run parafovea doctor, and read its log in ~/.local/state/parafovea.\n"
+             If a running application is missing here: run parafovea doctor, and read the application's log in ~/.local/state/parafovea.\n"
         ));
     }
     if gone > 0 {
@@ -82,7 +82,7 @@ fn sound(sound: &Sound) -> String {
 
 fn rates(rates: &Rates) -> String {
     if rates.tiles.is_empty() {
-        return "no frame planned yet".to_owned();
+        return "not planned: no frame was rendered yet, or every technique is off or dropped".to_owned();
     }
     let share = |(rate, share): &(String, f32)| match rate.as_str() {
         "skipped" => format!("4x4 blocks skipped {:.0} %", share * 100.0),
@@ -134,7 +134,7 @@ fn slow(status: &Status) -> &'static str {
     let is_on = status.reuse_gate.mode != "off" && status.reuse_gate.is_kept;
     let is_slow = status.frame_rate_hz > 0.0 && status.frame_rate_hz < LEAST_RATE_HZ;
     match is_on && is_slow && status.rates.rendered >= 1.0 {
-        true => "; safety limit: below 60 frames per second every region is rendered in each",
+        true => "; safety limit: below 60 frames per second, every region is rendered in every frame",
         false => "",
     }
 }
@@ -149,7 +149,7 @@ fn sparse(status: &Status) -> &'static str {
     let is_slow = status.frame_rate_hz > 0.0 && status.frame_rate_hz < LEAST_GAZE_RATE_HZ;
     match is_tracked && is_slow {
         true => {
-            "; safety limit: below 7 frames per second the gaze is not relied on, and its surroundings are not shaded coarsely"
+            "; safety limit: below 7 frames per second, the gaze is too uncertain to shade coarsely around it"
         }
         false => "",
     }
@@ -256,7 +256,7 @@ mod tests {
             let reuse_gate = Gate { mode: mode.to_owned(), is_kept: true, ..Gate::default() };
             shown(Status { frame_rate_hz, rates, reuse_gate, ..active })
         };
-        let line = "safety limit: below 60 frames per second every region is rendered in each";
+        let line = "safety limit: below 60 frames per second, every region is rendered in every frame";
         for hz in [2.0, 10.0, 30.0, 59.0] {
             assert!(of(hz, "on", 1.0).contains(line), "{hz}");
         }
@@ -272,7 +272,7 @@ mod tests {
             let gaze = Gaze { holder: holder.to_owned(), ..active.gaze.clone() };
             shown(Status { frame_rate_hz, gaze, ..active })
         };
-        let line = "safety limit: below 7 frames per second the gaze is not relied on";
+        let line = "safety limit: below 7 frames per second, the gaze is too uncertain";
         for (hz, holder) in [(2.0, "eyes"), (6.0, "osc")] {
             assert!(of(hz, holder).contains(line), "{hz}");
         }

@@ -34,11 +34,11 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
         }
     };
     if found.is_empty() {
-        let which = application.map_or("No running application".to_owned(), |name| {
-            format!("No running application named {name}")
+        let which = application.map_or("no running application".to_owned(), |name| {
+            format!("no running application named {name}")
         });
         eprintln!(
-            "parafovea: {which} has an OpenXR session with Parafovea; to list all that have one: parafovea status"
+            "parafovea: {which} has an OpenXR session with Parafovea; to list all applications: parafovea status"
         );
         return ExitCode::FAILURE;
     }

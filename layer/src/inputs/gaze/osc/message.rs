@@ -121,7 +121,7 @@ pub enum OscPacketError {
     #[error("larger than {MOST_BYTES} bytes")]
     Large,
     /// Not OSC.
-    #[error("no OSC packet")]
+    #[error("not an OSC packet")]
     Malformed,
 }
 
