@@ -11,8 +11,8 @@ use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
 use parafovea_core::kernels::debug_view::DebugViewParams;
 use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::kernels::depth::DepthParams;
-use parafovea_core::kernels::lay::LayParams;
 use parafovea_core::kernels::mask::MaskParams;
+use parafovea_core::kernels::resolve::ResolveParams;
 use parafovea_core::kernels::samples::SampleParams;
 use parafovea_core::kernels::template::TemplateParams;
 use parafovea_core::layout::{Field, Uniform};
@@ -38,7 +38,7 @@ fn main() {
         declared::<AnalyzeParams>(),
         declared::<ChangeParams>(),
         declared::<DecideParams>(),
-        declared::<LayParams>(),
+        declared::<ResolveParams>(),
         declared::<MaskParams>(),
         declared::<SampleParams>(),
         declared::<TemplateParams>(),

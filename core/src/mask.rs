@@ -181,7 +181,7 @@ impl Mask {
     }
 
     /// Replaces the image's rates by the rates of `views`. Where views overlap, pixels are skipped only if all of them skip.
-    pub fn lay(&mut self, views: &[MaskView]) {
+    pub fn resolve(&mut self, views: &[MaskView]) {
         self.list.clear();
         self.left_out = 0;
         for layer in &mut self.layers {

@@ -77,7 +77,9 @@ fn main() {
         Part { eyes: Eyes::Left, layer: 0, rect: [0.0, 0.0, 1.0, 1.0], orientation: Orientation::Upright };
     let uniform = |rate: ShadingRate| vec![rate.texel(); (TILES * TILES) as usize];
     println!("CPU ms for {SIDE}x{SIDE} pixels, medians of {TURNS}");
-    println!("| rates | shaded | lay and stage | upload | template to depth | fill | ns a filled pixel |");
+    println!(
+        "| rates | shaded | resolve and stage | upload | template to depth | fill | ns a filled pixel |"
+    );
     println!("|---|---:|---:|---:|---:|---:|---:|");
     for (name, rates) in [
         ("1x1", uniform(ShadingRate::R1X1)),

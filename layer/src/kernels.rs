@@ -8,7 +8,7 @@ pub mod debug_view;
 pub mod decide;
 pub mod depth;
 pub mod fill;
-pub mod lay;
 pub mod mask;
+pub mod resolve;
 pub mod samples;
 pub mod template;

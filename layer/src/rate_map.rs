@@ -80,14 +80,14 @@ pub fn resolve(
     for (layer, texels) in (0u32..).zip(out[..covered].chunks_exact_mut(len)) {
         let on_layer = |part: &&Part| image.layers == 1 || part.layer == layer;
         let places = parts.iter().filter(on_layer).map(|part| PartRect::new(part, image)).collect();
-        lay_layer(eyes, &places, image, rates, scratch, texels);
+        resolve_layer(eyes, &places, image, rates, scratch, texels);
     }
 }
 
 /// The parts of a layer.
 type PartRects = SmallVec<[PartRect; 8]>;
 
-fn lay_layer(
+fn resolve_layer(
     eyes: [&EyeMap; 2],
     places: &PartRects,
     image: &RateImage,

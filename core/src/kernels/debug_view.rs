@@ -64,7 +64,7 @@ uniform! {
         pub gaze: [f32; 3],
         /// [`DebugView::number`].
         pub view: u32,
-        /// Size of the picture that the map was made for, pixels: it is laid over others proportionally.
+        /// Size of the picture that the map was made for, pixels: it is scaled to others.
         pub map_extent: [u32; 2],
         /// Size of a tile in that, pixels.
         pub texel: [u32; 2],

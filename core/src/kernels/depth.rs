@@ -97,7 +97,7 @@ mod tests {
         let rates = [ShadingRate::R4X4.texel(); 64];
         let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 8, rates: &rates };
         let mut mask = Mask::new(EXTENT, 2);
-        mask.lay(&[MaskView { layer: 1, offset: [0; 2], extent: EXTENT, tiles }]);
+        mask.resolve(&[MaskView { layer: 1, offset: [0; 2], extent: EXTENT, tiles }]);
         mask
     }
 

@@ -106,7 +106,7 @@ mod tests {
             let rates = [rate.texel(); 81];
             let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 9, rates: &rates };
             let mut mask = Mask::new(extent, 1);
-            mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent, tiles }]);
+            mask.resolve(&[MaskView { layer: 0, offset: [0; 2], extent, tiles }]);
             let params = SampleParams::new(extent, format, depths).unwrap();
             let mut words = vec![0u32; params.layer_words as usize];
             write_template(&mask, 0, format, depths, bytemuck::cast_slice_mut(&mut words));

@@ -60,7 +60,7 @@ mod tests {
             let rates = [ShadingRate::R2X2.texel(); 64];
             let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 8, rates: &rates };
             let mut mask = Mask::new(extent, 2);
-            mask.lay(&[MaskView { layer: 1, offset: [0; 2], extent, tiles }]);
+            mask.resolve(&[MaskView { layer: 1, offset: [0; 2], extent, tiles }]);
             let size = extent[0] as usize * extent[1] as usize * format.texel_size();
             let mut bytes = vec![0; 2 * size.next_multiple_of(4)];
             for (layer, out) in (0..).zip(bytes.chunks_exact_mut(size.next_multiple_of(4))) {

@@ -238,7 +238,7 @@ mod tests {
             (DepthFormat::Float32, [37, 3]),
         ] {
             let mut mask = Mask::new(extent, 1);
-            mask.lay(&[view(&coarse, [0; 2], extent, 8)]);
+            mask.resolve(&[view(&coarse, [0; 2], extent, 8)]);
             let size = format.texel_size();
             let mut out = vec![0xaa; (extent[0] * extent[1]) as usize * size];
             write_template(&mask, 0, format, depths, &mut out);

@@ -69,7 +69,7 @@ mod tests {
             let rates = [ShadingRate::R2X2.texel(); 64];
             let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 8, rates: &rates };
             let mut mask = Mask::new(extent, 2);
-            mask.lay(&[MaskView { layer: 1, offset: [0; 2], extent, tiles }]);
+            mask.resolve(&[MaskView { layer: 1, offset: [0; 2], extent, tiles }]);
             assert!(mask.shaded() < 0.8);
             let layer_words = format.words(extent).unwrap().layer as usize;
             let mut words = vec![0u32; 2 * layer_words];

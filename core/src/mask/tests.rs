@@ -15,7 +15,7 @@ pub(super) fn view(rates: &Plane<u8>, offset: [u32; 2], extent: [u32; 2], texel:
 /// A mask of one view that is the whole picture.
 fn whole(side: u32, texel: u32, rates: &Plane<u8>) -> Mask {
     let mut mask = Mask::new([side; 2], 1);
-    mask.lay(&[view(rates, [0; 2], [side; 2], texel)]);
+    mask.resolve(&[view(rates, [0; 2], [side; 2], texel)]);
     mask
 }
 
@@ -61,7 +61,7 @@ fn two_views_in_one_layer_do_not_mix() {
     let coarse = rates([9; 2], ShadingRate::R4X4);
     let mut mask = Mask::new([256, 128], 1);
     // The seam cuts a block, which both leave alone.
-    mask.lay(&[view(&coarse, [0, 0], [126, 128], 16), view(&coarse, [126, 0], [130, 128], 16)]);
+    mask.resolve(&[view(&coarse, [0, 0], [126, 128], 16), view(&coarse, [126, 0], [130, 128], 16)]);
     let seam = 126 / BLOCK;
     assert!(mask.list().blocks().any(|block| block.block.x < seam));
     assert!(mask.list().blocks().any(|block| block.block.x > seam));
@@ -75,7 +75,11 @@ fn two_views_in_one_layer_do_not_mix() {
     }
     let alone = mask.clone();
     let overlapping = view(&coarse, [64, 0], [64, 64], 16);
-    mask.lay(&[view(&coarse, [0, 0], [126, 128], 16), view(&coarse, [126, 0], [130, 128], 16), overlapping]);
+    mask.resolve(&[
+        view(&coarse, [0, 0], [126, 128], 16),
+        view(&coarse, [126, 0], [130, 128], 16),
+        overlapping,
+    ]);
     assert_eq!(alone.list(), mask.list(), "a view that overlaps is ignored");
 }
 
@@ -84,9 +88,9 @@ fn layers_are_apart() {
     let (coarse, full) = (rates([8; 2], ShadingRate::R4X4), rates([8; 2], ShadingRate::R1X1));
     let mut mask = Mask::new([128; 2], 2);
     let second = MaskView { layer: 1, ..view(&coarse, [0; 2], [128; 2], 16) };
-    mask.lay(&[view(&full, [0; 2], [128; 2], 16), second]);
+    mask.resolve(&[view(&full, [0; 2], [128; 2], 16), second]);
     assert!(!mask.list().is_empty() && mask.list().blocks().all(|block| block.layer == 1));
-    mask.lay(&[MaskView { layer: 2, ..second }]);
+    mask.resolve(&[MaskView { layer: 2, ..second }]);
     assert!(mask.list().is_empty(), "a layer that there is not");
 }
 
@@ -94,10 +98,10 @@ fn layers_are_apart() {
 fn pictures_that_are_too_large_are_shaded() {
     let coarse = rates([2; 2], ShadingRate::R4X4);
     let mut mask = Mask::new([MAX_SIDE + 1, 8], 1);
-    mask.lay(&[view(&coarse, [0; 2], [MAX_SIDE + 1, 8], 4096)]);
+    mask.resolve(&[view(&coarse, [0; 2], [MAX_SIDE + 1, 8], 4096)]);
     assert!(mask.list().is_empty());
     let mut mask = Mask::new([MAX_SIDE, 64], 1);
-    mask.lay(&[view(&coarse, [MAX_SIDE - 64, 0], [64; 2], 32)]);
+    mask.resolve(&[view(&coarse, [MAX_SIDE - 64, 0], [64; 2], 32)]);
     let farthest = mask.list().blocks().map(|block| block.block.x).max();
     assert_eq!(farthest, Some(4095));
 }
@@ -119,7 +123,7 @@ fn laying_again_takes_no_more_memory() {
     let before = capacity(&mask);
     let coarse = rates([64; 2], ShadingRate::R4X4);
     let views = [0, 1].map(|layer| MaskView { layer, ..view(&coarse, [0; 2], [512; 2], 8) });
-    mask.lay(&views);
+    mask.resolve(&views);
     assert_eq!(before, capacity(&mask), "the list has moved");
 }
 
@@ -140,7 +144,7 @@ proptest! {
     fn every_skipped_block_has_shaded_sources_of_its_view((tiles, offset, extent, texel) in scenes()) {
         let mut mask = Mask::new([240, 200], 1);
         let view = view(&tiles, offset, extent, texel);
-        mask.lay(&[view]);
+        mask.resolve(&[view]);
         let skipped = mask.skipped(0).unwrap();
         prop_assert_eq!(skipped.texels().iter().filter(|skipped| **skipped).count(), mask.list().len());
         for SkippedBlock { block, sources, layer } in mask.list().blocks() {
@@ -171,7 +175,7 @@ proptest! {
     fn sources_are_the_nearest_of_each_quarter((tiles, offset, extent, texel) in scenes()) {
         let mut mask = Mask::new([240, 200], 1);
         let view = view(&tiles, offset, extent, texel);
-        mask.lay(&[view]);
+        mask.resolve(&[view]);
         let skipped = mask.skipped(0).unwrap();
         let (first, end) = view.blocks([240, 200]);
         for SkippedBlock { block, sources, .. } in mask.list().blocks() {
@@ -214,8 +218,8 @@ fn a_plan_is_laid_where_its_view_is() {
         ..EyePlan::default()
     };
     let (mut by_plan, mut by_hand) = (Mask::new([160, 96], 2), Mask::new([160, 96], 2));
-    by_plan.lay(&[MaskView::of(&plan, 1)]);
-    by_hand.lay(&[MaskView { layer: 1, ..view(&plan.rates, [40, 8], [80, 64], 16) }]);
+    by_plan.resolve(&[MaskView::of(&plan, 1)]);
+    by_hand.resolve(&[MaskView { layer: 1, ..view(&plan.rates, [40, 8], [80, 64], 16) }]);
     assert_eq!(by_plan.list(), by_hand.list());
     assert!(by_plan.skips(1, [49, 13]) && !by_plan.skips(1, [36, 13]) && !by_plan.skips(1, [124, 13]));
 }

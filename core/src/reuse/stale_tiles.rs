@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// The tiles of an eye buffer that are stale in a frame; all others are fresh.
 ///
-/// A set of tiles is laid over pictures of other sizes proportionally, as the rates are.
+/// A set of tiles is scaled to pictures of other sizes, as the rates are.
 #[derive(Debug, Default)]
 pub struct StaleTiles {
     extent: [u32; 2],

@@ -1,8 +1,8 @@
-//! `mask`: the blocks that a pass of the application skips, from the texels that [`super::lay`] laid.
+//! `mask`: the blocks that a pass of the application skips, from the texels that [`super::resolve`] wrote.
 
 pub use parafovea_core::kernels::mask::MaskParams;
 
-use super::lay::LayTarget;
+use super::resolve::RateMapTexels;
 use crate::gpu::{
     AppCommands, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, Scope,
 };
@@ -56,7 +56,7 @@ pub struct MaskTarget {
     _params: DeviceBuffer,
     _views: DeviceBuffer,
     _bits: DeviceBuffer,
-    _texels: Arc<LayTarget>,
+    _texels: Arc<RateMapTexels>,
     map: Arc<dyn MaskOutput>,
     /// The template of `map`, and its words where blocks are shaded.
     template: vk::Buffer,
@@ -87,7 +87,7 @@ impl MaskPass {
     pub fn target(
         &self,
         map: Arc<dyn MaskOutput>,
-        texels: &Arc<LayTarget>,
+        texels: &Arc<RateMapTexels>,
         (texel, tiles, rate_layers): ([u32; 2], [u32; 2], u32),
         views: &[MaskView],
     ) -> Result<MaskTarget, GpuError> {

@@ -68,7 +68,7 @@ pub struct PlanRecord {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EyeMapRecord {
-    /// Size of the picture that it is made for, pixels. It is laid over pictures of other sizes proportionally.
+    /// Size of the picture that it is made for, pixels. It is scaled to pictures of other sizes.
     pub extent: [u32; 2],
     /// Size of a tile, pixels; the first tile begins at pixel 0, 0.
     pub texel: [u32; 2],

@@ -199,7 +199,7 @@ impl Eye {
         }
     }
 
-    /// Plans are laid over pictures of other sizes proportionally, so that only another order of sizes counts.
+    /// Plans are scaled to pictures of other sizes, so that only another order of sizes counts.
     fn resize(&mut self, extent: [u32; 2]) {
         let is_like = |new: u32, old: u32| new > old / 2 && new / 2 < old;
         if !(is_like(extent[0], self.extent[0]) && is_like(extent[1], self.extent[1])) {

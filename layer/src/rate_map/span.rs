@@ -31,8 +31,8 @@ impl Span {
     }
 }
 
-/// The columns (`axis` 0) or rows (1) of the plan that a column or row of the rate image meets, where the plan is laid
-/// over `place`. Exact, in whole numbers. A plan without tiles counts as one tile at 1x1.
+/// The columns (`axis` 0) or rows (1) of the plan that a column or row of the rate image meets, where the plan is scaled
+/// to `place`. Exact, in whole numbers. A plan without tiles counts as one tile at 1x1.
 pub(super) fn met(
     map: &EyeMap,
     place: &PartRect,

@@ -1,8 +1,8 @@
-//! Which tiles each texel of a rate image meets, for where rates are laid on the GPU.
+//! Which tiles each texel of a rate image meets, for rates that are resolved on the GPU.
 
 use super::{EyeMap, PartRect, PartRects, RateImage, is_covered, maps, span};
 use crate::pass_detection::{Orientation, Part};
-use parafovea_core::kernels::lay::LayTable;
+use parafovea_core::kernels::resolve::RateMapTable;
 use std::ptr;
 
 /// Longest side in tiles that a table can name.
@@ -10,11 +10,11 @@ const MOST_TILES: u32 = u16::MAX as u32;
 
 /// The entries that [`super::resolve`] looks up for each texel, of tiles as those of `eyes`, whose rates do not matter. Nothing where one
 /// of them that `parts` show has no tiles, or too many.
-pub fn rate_map_table(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Option<LayTable> {
+pub fn rate_map_table(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Option<RateMapTable> {
     if image.texel.contains(&0) || image.is_empty() {
         return None;
     }
-    let mut table = LayTable::new(image.tiles, image.layers);
+    let mut table = RateMapTable::new(image.tiles, image.layers);
     let mut covered = Vec::with_capacity(image.len());
     for layer in 0..image.layers {
         let on_layer = |part: &&Part| image.layers == 1 || part.layer == layer;
@@ -43,7 +43,7 @@ pub fn rate_map_table(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> 
 }
 
 fn add(
-    table: &mut LayTable,
+    table: &mut RateMapTable,
     layer: u32,
     eye: u32,
     map: &EyeMap,

@@ -2,7 +2,7 @@
 
 use super::*;
 use parafovea_core::image::Plane;
-use parafovea_core::kernels::lay as kernel;
+use parafovea_core::kernels::resolve as kernel;
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use proptest::prelude::*;
 
@@ -220,12 +220,12 @@ proptest! {
             let [width, height] = map.tiles();
             Plane::from_fn(width, height, |x, y| map.texels()[(y * width + x) as usize])
         });
-        prop_assert_eq!(kernel::lay(&params, &table, eyes.each_ref()), expected);
+        prop_assert_eq!(kernel::resolve(&params, &table, eyes.each_ref()), expected);
     }
 
     /// Nothing that the link or an application could say makes it panic.
     #[test]
-    fn anything_can_be_laid(
+    fn anything_can_be_resolved(
         extent in prop::array::uniform2(any::<u32>()), texel in prop::array::uniform2(any::<u32>()),
         area in prop::array::uniform4(any::<u32>()), image_texel in prop::array::uniform2(0..64u32),
         tiles in prop::array::uniform2(0..9u32), rect in prop::array::uniform4(any::<f32>()), len in 0..200usize,

@@ -1,6 +1,6 @@
 //! Targets of passes that may be the scene: colour targets, each with a map of rates.
 //!
-//! Every texel is 1x1 until recognition says what a pass shows; then the newest plan is laid over it.
+//! Every texel is 1x1 until recognition says what a pass shows; then it is resolved from the newest plan.
 
 mod content;
 

@@ -1,7 +1,7 @@
 //! Rates by the content of pictures: their contrast stays on the GPU, and so do the decisions from it.
 //!
 //! At xrEndFrame the finished pictures are analysed ([`Perception::analyze`]), on the queue of the session; ahead of the next
-//! submit with a pass of the scene on that queue the rates of the tiles are decided, and laid over the maps of its passes
+//! submit with a pass of the scene on that queue the rates of the tiles are decided, and resolved into the maps of its passes
 //! ([`Perception::deciding`]). Where any of it is missing, the maps hold the plan's own rates, which are rings.
 
 mod copied;

@@ -94,7 +94,7 @@ fn rings(extent: [u32; 2], layers: u32, texel: u32) -> Mask {
             MaskView { layer, offset: [0; 2], extent, tiles }
         })
         .collect();
-    mask.lay(&views);
+    mask.resolve(&views);
     mask
 }
 
@@ -145,7 +145,7 @@ fn large_pictures_are_filled_whole() {
     let rates = Plane::filled(32, 24, ShadingRate::R4X4.texel());
     let mut mask = Mask::new(extent, 1);
     let tiles = TileRates { texel: [64; 2], first: [0; 2], columns: 32, rates: rates.texels() };
-    mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent, tiles }]);
+    mask.resolve(&[MaskView { layer: 0, offset: [0; 2], extent, tiles }]);
     assert!(mask.list().words()[1] > 1, "one row");
     let format = FillFormat::Unorm8;
     let before = [picture(format, extent, 0)];

@@ -54,7 +54,7 @@ fn mask(area: vk::Rect2D) -> (Mask, RateImage, Vec<u8>) {
     let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 18, rates: &rates };
     let extent = [area.extent.width, area.extent.height];
     let mut mask = Mask::new(EXTENT, 1);
-    mask.lay(&[MaskView { layer: 0, offset, extent, tiles }]);
+    mask.resolve(&[MaskView { layer: 0, offset, extent, tiles }]);
     assert!((0.2..0.8).contains(&mask.shaded()), "{}", mask.shaded());
     let area = [offset[0], offset[1], extent[0], extent[1]];
     (mask, RateImage { area, texel: [8; 2], tiles: [18; 2], layers: 1 }, rates)

@@ -229,7 +229,7 @@ fn mask() -> (Mask, RateImage, Vec<u8>) {
             MaskView { layer, offset: [0; 2], extent: EXTENT, tiles }
         })
         .collect();
-    mask.lay(&views);
+    mask.resolve(&views);
     let area = [0, 0, EXTENT[0], EXTENT[1]];
     (mask, RateImage { area, texel: [8; 2], tiles: [18; 2], layers: LAYERS }, rates)
 }

@@ -13,9 +13,9 @@ fn tasks(sweep: Sweep) -> Option<&'static [&'static str]> {
         // Rings are planned on the CPU.
         Sweep::Rings | Sweep::FilledFoveation => &[],
         // Presets measure contrast on GPUs.
-        Sweep::Rates | Sweep::Contrast | Sweep::Sound => &["analyze", "decide", "lay"],
+        Sweep::Rates | Sweep::Contrast | Sweep::Sound => &["analyze", "decide", "resolve"],
         Sweep::Reuse | Sweep::RatesAndReuse => &["compose, re-use", "change"],
-        Sweep::Everything => &["analyze", "decide", "lay", "compose, re-use", "change"],
+        Sweep::Everything => &["analyze", "decide", "resolve", "compose, re-use", "change"],
         Sweep::Chroma => &["compose, chroma"],
     })
 }

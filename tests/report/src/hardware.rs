@@ -1,7 +1,7 @@
 //! Maps that are compared by the look of hardware rates: one sample for each block of pixels, at its centre.
 //!
 //! On a device without shading rates the layer masks blocks and fills them, and an application skips and fills blocks as it can: both look otherwise
-//! than rates do. Here everybody's map is laid over the same pictures of the application alone, and costs the share of the pixels that it shades.
+//! than rates do. Here each map is resolved over the same pictures of the application alone, and costs the share of the pixels that it shades.
 
 use crate::points::{Extent, Sweep};
 use parafovea_core::fixed_foveation::FixedFoveation;

@@ -195,7 +195,7 @@ impl Rings {
         );
         let tiles = TileRates { texel: eye.texel, first: [0; 2], columns: eye.tiles[0], rates };
         let mut mask = Mask::new([size; 2], 1);
-        mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent: [size; 2], tiles }]);
+        mask.resolve(&[MaskView { layer: 0, offset: [0; 2], extent: [size; 2], tiles }]);
         Self { mask, size }
     }
 

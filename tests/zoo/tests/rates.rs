@@ -25,7 +25,7 @@ use trial::{skip_unless_run, trial};
 /// Arguments of every test.
 const SHARE: Effort = Effort { frames: 8, size: 96 };
 
-/// From this frame on all passes are known, and the plan is laid over them.
+/// From this frame on all passes are known, and their maps are resolved from the plan.
 const COARSE_FROM: u64 = 4;
 
 /// Greatest shaded part of the pixels of an eye's image in an engaged style: texels of the map by their rates.

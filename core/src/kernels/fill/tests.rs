@@ -10,7 +10,7 @@ fn mask(rate: ShadingRate) -> Mask {
     let rates = Plane::filled(8, 8, rate.texel());
     let mut mask = Mask::new([SIDE; 2], 1);
     let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 8, rates: rates.texels() };
-    mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent: [SIDE; 2], tiles }]);
+    mask.resolve(&[MaskView { layer: 0, offset: [0; 2], extent: [SIDE; 2], tiles }]);
     mask
 }
 

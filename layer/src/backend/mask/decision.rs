@@ -286,7 +286,7 @@ impl Masks {
         if eligible.work.is_any() && !is_multisampled && !map.prepare_depth() {
             return Err(Unmasked::Failed);
         }
-        // A map that leaves tiles out has to be laid anew first.
+        // A map that leaves tiles out has to be resolved anew first.
         if !map.is_ready() || (eligible.work.is_any() && !target.note_depth()) {
             return Err(Unmasked::Undrawn);
         }

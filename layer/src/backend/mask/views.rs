@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 /// end where a part does: nothing is interpolated from one into another.
 pub fn resolve_mask(mask: &mut Mask, parts: &[Part], image: &RateImage, rates: &[u8]) {
     let views: Views = views(parts, image, rates).collect();
-    mask.lay(&views);
+    mask.resolve(&views);
 }
 
 /// The views of a pass.

@@ -5,7 +5,7 @@ use crate::pass_detection::Part;
 use crate::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, rate_map_table, resolve};
 use glam::Quat;
 use parafovea_core::kernels::decide::DecideParams;
-use parafovea_core::kernels::lay::LayTable;
+use parafovea_core::kernels::resolve::RateMapTable;
 use parafovea_core::reuse::StaleTiles;
 
 /// The newest plan; before the first, number 0 with all at 1x1.
@@ -79,7 +79,7 @@ impl Plan {
     }
 
     /// Which tiles each texel of `image` meets, where a pass draws `parts`; nothing where one of the eyes has none.
-    pub fn table(&self, parts: &[Part], image: &RateImage) -> Option<LayTable> {
+    pub fn table(&self, parts: &[Part], image: &RateImage) -> Option<RateMapTable> {
         rate_map_table(self.eyes.each_ref(), parts, image)
     }
 

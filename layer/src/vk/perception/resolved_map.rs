@@ -1,12 +1,12 @@
-//! The map of one candidate, laid from rates that the GPU decided.
+//! The map of one candidate, resolved from rates that the GPU decided.
 
 use super::eye::EyeTiles;
 use super::{Perception, Tools};
 use crate::backend::MapForm;
 use crate::backend::mask::mask_views;
 use crate::gpu::{AppCommands, GpuError};
-use crate::kernels::lay::LayTarget;
 use crate::kernels::mask::MaskTarget;
+use crate::kernels::resolve::RateMapTexels;
 use crate::pass_detection::Part;
 use crate::rate_map::{DeviceRates, RateImage};
 use crate::vk::frame::Frame;
@@ -32,7 +32,7 @@ pub struct ResolvedMap {
 
 /// The written buffers of a map.
 struct Targets {
-    texels: Arc<LayTarget>,
+    texels: Arc<RateMapTexels>,
     /// Of a mask, the target that is written from those.
     mask: Option<Arc<MaskTarget>>,
 }
@@ -103,7 +103,7 @@ fn targets(
     let table = frame.plan().table(place.parts, place.image);
     let Some(table) = table.filter(|_| eyes.iter().enumerate().all(is_own)) else { return Ok(None) };
     let views = eyes.each_ref().map(|eye| &eye.view);
-    let texels = Arc::new(tools.lay.target(&table, views, rates.available(), place.leaves_out)?);
+    let texels = Arc::new(tools.resolve.target(&table, views, rates.available(), place.leaves_out)?);
     let mask = match form {
         MapForm::Texels => None,
         MapForm::Mask(map) => {
@@ -116,8 +116,8 @@ fn targets(
 }
 
 impl Perception {
-    /// Records the resolve of a candidate's map from the last decision; nothing is recorded where the plan's own rates hold. `laid` is what
-    /// was made for it before, and is made anew where that is for something else.
+    /// Records the resolve of a candidate's map from the last decision; nothing is recorded where the plan's own rates hold. `resolved` is the
+    /// state of an earlier call, made anew where that was for another map.
     ///
     /// # Safety
     ///
@@ -151,7 +151,7 @@ impl Perception {
         let Targets { texels, mask } = resolved.as_ref()?.targets.as_ref()?;
         // SAFETY: the command buffer is recording, as `# Safety` demands.
         let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
-        tools.lay.record(&commands, texels);
+        tools.resolve.record(&commands, texels);
         kept.push(Arc::clone(texels) as Arc<dyn Any + Send + Sync>);
         let Some(mask) = mask else { return Some(Written::Texels(texels.texels())) };
         tools.mask.record(&commands, mask);

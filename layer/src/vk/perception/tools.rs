@@ -3,8 +3,8 @@
 use crate::gpu::{Compilation, Compiler, Gpu, GpuError, Later};
 use crate::kernels::analyze::Analyze;
 use crate::kernels::decide::Decide;
-use crate::kernels::lay::Lay;
 use crate::kernels::mask::MaskPass;
+use crate::kernels::resolve::Resolve;
 use crate::link::DeviceRecord;
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ pub struct Tools {
     pub(super) gpu: Arc<Gpu>,
     pub(super) analyze: Analyze,
     pub(super) decide: Decide,
-    pub(super) lay: Lay,
+    pub(super) resolve: Resolve,
     pub(super) mask: MaskPass,
 }
 
@@ -36,7 +36,7 @@ impl Tools {
             return Err(GpuError::Unsupported("a queue with graphics but without compute"));
         }
         let (analyze, decide) = (Analyze::new(&gpu)?, Decide::new(&gpu)?);
-        let (lay, mask) = (Lay::new(&gpu)?, MaskPass::new(&gpu)?);
-        Ok(Self { gpu, analyze, decide, lay, mask })
+        let (resolve, mask) = (Resolve::new(&gpu)?, MaskPass::new(&gpu)?);
+        Ok(Self { gpu, analyze, decide, resolve, mask })
     }
 }

@@ -17,7 +17,7 @@ pub struct Slot {
     fence: vk::Fence,
     memory: vk::PhysicalDeviceMemoryProperties,
     staging: Option<Staging>,
-    /// Space to lay a map in.
+    /// Scratch space to resolve a map.
     pub texels: Vec<u8>,
     /// Memory for stale tiles.
     pub words: Vec<u32>,

@@ -23,9 +23,17 @@ pub fn benches(criterion: &mut Criterion) {
     let upright = |eyes| part(eyes, Orientation::Upright);
     let unknown = part(Eyes::Finer, Orientation::Unknown);
     for (name, parts, side) in [
-        ("lay both eyes as planned", [upright(Eyes::Left), upright(Eyes::Right)], SIDE),
-        ("lay both eyes at 0.67 of the size", [upright(Eyes::Left), upright(Eyes::Right)], SIDE * 67 / 100),
-        ("lay the finer of both eyes and ways up at 0.67 of the size, twice", [unknown; 2], SIDE * 67 / 100),
+        ("resolve both eyes as planned", [upright(Eyes::Left), upright(Eyes::Right)], SIDE),
+        (
+            "resolve both eyes at 0.67 of the size",
+            [upright(Eyes::Left), upright(Eyes::Right)],
+            SIDE * 67 / 100,
+        ),
+        (
+            "resolve the finer of both eyes and ways up at 0.67 of the size, twice",
+            [unknown; 2],
+            SIDE * 67 / 100,
+        ),
     ] {
         let tiles = [side.div_ceil(16); 2];
         let image = RateImage { area: [0, 0, side, side], texel: [16, 16], tiles, layers: 1 };

@@ -54,7 +54,7 @@ pub const TASKS: [Task; 8] = [
         what: "the rate of each tile by castleCSF, the head having turned",
         dispatches: decide,
     },
-    Task { name: "lay", what: "the rates of both pictures in a rate image", dispatches: lay },
+    Task { name: "resolve", what: "the rates of both pictures in a rate image", dispatches: resolve },
     Task { name: "compose, chroma", what: "a copy, and each pixel attenuated", dispatches: chroma },
     Task {
         name: "compose, re-use",
@@ -109,11 +109,11 @@ fn decide(tile: f64) -> Vec<Dispatch> {
     vec![run("decide_castle_turned", tiles(tile) / 4.0, bytes, 4.0)]
 }
 
-fn lay(tile: f64) -> Vec<Dispatch> {
-    // A thread lays four texels, each of one tile and its table's entries; then they are copied to the image.
+fn resolve(tile: f64) -> Vec<Dispatch> {
+    // A thread writes four texels, each of one tile and its table's entries; then they are copied to the image.
     let texels = tiles(tile);
     vec![
-        run("lay", texels / 4.0, texels * 2.0, 4.0),
+        run("resolve", texels / 4.0, texels * 2.0, 4.0),
         Dispatch { entry: None, invocations: 0.0, bytes: texels * 2.0, turns: 1.0 },
     ]
 }

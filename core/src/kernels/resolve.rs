@@ -1,7 +1,7 @@
-//! Reference of the kernel `lay`: from the rates of the tiles of both eyes to the texels of one rate image.
+//! Reference of the kernel `resolve`: from the rates of the tiles of both eyes to the texels of one rate image.
 //!
 //! Each texel gets the finest of all tiles that it meets. Which those are depends on where a pass draws, not on the rates: that
-//! is a [`LayTable`], made once for a pass. Rates are combined in unary, where the finer of two is a bitwise AND: log2 of a side of
+//! is a [`RateMapTable`], made once for a pass. Rates are combined in unary, where the finer of two is a bitwise AND: log2 of a side of
 //! 0, 1, 2 is 0b00, 0b01, 0b11. So is the bit [`STALE`], which a texel has where all that it meets are stale.
 
 use crate::image::Plane;
@@ -15,7 +15,7 @@ const COARSEST: u8 = STALE | 0b1111;
 
 uniform! {
     /// Parameters of one rate image, the shader's uniform of the same name.
-    pub struct LayParams {
+    pub struct ResolveParams {
         /// Columns and rows of texels.
         pub texels: [u32; 2],
         /// Array layers.
@@ -39,14 +39,14 @@ uniform! {
 /// columns of tiles that it meets, the first one in the lower half of a word and the end in the upper half; then the same for rows.
 /// After the pictures a bit for each texel of all layers, row by row, 32 in a word from the lowest bit on: whether all of it is covered by pictures.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct LayTable {
+pub struct RateMapTable {
     words: Vec<u32>,
     pictures: u32,
     texels: [u32; 2],
     layers: u32,
 }
 
-impl LayTable {
+impl RateMapTable {
     /// For an image of so many columns and rows of texels, and layers; nothing is covered yet, and all texels are 1x1.
     pub fn new(texels: [u32; 2], layers: u32) -> Self {
         Self { words: Vec::new(), pictures: 0, texels, layers }
@@ -81,8 +81,8 @@ impl LayTable {
     }
 
     /// The parameters for this table: eyes with so many columns of tiles, and the device's rate for each unary rate.
-    pub fn params(&self, tile_columns: [u32; 2], available: [u8; 16], leaves_out: bool) -> LayParams {
-        LayParams {
+    pub fn params(&self, tile_columns: [u32; 2], available: [u8; 16], leaves_out: bool) -> ResolveParams {
+        ResolveParams {
             texels: self.texels,
             layers: self.layers,
             pictures: self.pictures,
@@ -105,7 +105,7 @@ fn unary(texel: u8) -> u8 {
 
 /// The texels of a rate image, row by row, layer by layer, by the rates of both eyes' tiles ([`ShadingRate::texel`], with
 /// [`STALE`] or without).
-pub fn lay(params: &LayParams, table: &LayTable, eyes: [&Plane<u8>; 2]) -> Vec<u8> {
+pub fn resolve(params: &ResolveParams, table: &RateMapTable, eyes: [&Plane<u8>; 2]) -> Vec<u8> {
     let [columns, rows] = params.texels.map(|count| count as usize);
     let picture_words = 1 + columns + rows;
     let (pictures, covered) = table.words.split_at(params.pictures as usize * picture_words);

@@ -1,4 +1,4 @@
-//! The passes `lay` and `mask` on a Vulkan device, under the validation layers where they are installed, compared with their
+//! The passes `resolve` and `mask` on a Vulkan device, under the validation layers where they are installed, compared with their
 //! CPU references. Without a Vulkan device the tests are skipped.
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
@@ -14,12 +14,12 @@ use ash::vk;
 use parafovea::backend::mask::{DepthWork, Eligible, MaskKernels, MaskMap, mask_views, resolve_mask};
 use parafovea::gpu::AppCommands;
 use parafovea::kernels::analyze::{ViewTiles, rate_row_bytes};
-use parafovea::kernels::lay::{Lay, LayTable, LayTarget};
 use parafovea::kernels::mask::MaskPass;
+use parafovea::kernels::resolve::{RateMapTable, RateMapTexels, Resolve};
 use parafovea::pass_detection::{Eyes, Orientation, Part};
 use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, rate_map_table};
 use parafovea_core::image::Plane;
-use parafovea_core::kernels::lay::lay;
+use parafovea_core::kernels::resolve::resolve;
 use parafovea_core::mask::{BLOCK, DepthFormat, Mask, TemplateDepths, write_template};
 use parafovea_core::rate::VULKAN_RATES;
 use parafovea_core::reuse::STALE;
@@ -103,24 +103,24 @@ fn cases() -> Vec<Case> {
 }
 
 /// A device with the rates of two eyes on it.
-struct Laid {
+struct Bed {
     vulkan: Vulkan,
-    lay: Lay,
+    resolve: Resolve,
 }
 
-impl Laid {
+impl Bed {
     fn new() -> Self {
         let vulkan = Vulkan::at(vk::API_VERSION_1_1);
-        Self { lay: Lay::new(&vulkan.gpu).unwrap(), vulkan }
+        Self { resolve: Resolve::new(&vulkan.gpu).unwrap(), vulkan }
     }
 
     fn target(
         &self,
-        table: &LayTable,
+        table: &RateMapTable,
         eyes: [&Plane<u8>; 2],
         available: [u8; 16],
         leaves_out: bool,
-    ) -> LayTarget {
+    ) -> RateMapTexels {
         let tiles = eyes.map(|rates| {
             let tiles = Arc::new(ViewTiles::new(&self.vulkan.gpu, [rates.width(), rates.height()]).unwrap());
             let row = rate_row_bytes(rates.width()) as usize;
@@ -131,13 +131,13 @@ impl Laid {
             self.vulkan.copy(self.vulkan.staging(&bytes), tiles.rates(), bytes.len());
             tiles
         });
-        self.lay.target(table, tiles.each_ref(), available, leaves_out).unwrap()
+        self.resolve.target(table, tiles.each_ref(), available, leaves_out).unwrap()
     }
 }
 
 #[test]
 fn texels_match_the_reference() {
-    let laid = Laid::new();
+    let bed = Bed::new();
     for (number, case) in (0u32..).zip(cases()) {
         for offered in [&VULKAN_RATES[..], &VULKAN_RATES[3..5], &[]] {
             let Case { parts, image, eye, with_stale } = &case;
@@ -147,21 +147,21 @@ fn texels_match_the_reference() {
             let table = rate_map_table(maps.each_ref(), parts, image).unwrap();
             let available = DeviceRates::new(offered.iter().copied()).available();
             for leaves_out in [false, true] {
-                let target = laid.target(&table, eyes.each_ref(), available, leaves_out);
-                laid.vulkan.run(|commands| {
+                let target = bed.target(&table, eyes.each_ref(), available, leaves_out);
+                bed.vulkan.run(|commands| {
                     // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
-                    let commands = unsafe { AppCommands::new(&laid.vulkan.gpu, commands) };
-                    laid.lay.record(&commands, &target);
+                    let commands = unsafe { AppCommands::new(&bed.vulkan.gpu, commands) };
+                    bed.resolve.record(&commands, &target);
                 });
                 let params = table.params(eyes.each_ref().map(Plane::width), available, leaves_out);
-                let expected = lay(&params, &table, eyes.each_ref());
-                let got = laid.vulkan.read(target.texels(), target.len());
+                let expected = resolve(&params, &table, eyes.each_ref());
+                let got = bed.vulkan.read(target.texels(), target.len());
                 assert!(got == expected, "case {number}, {} rates, leaves out: {leaves_out}", offered.len());
                 assert!(leaves_out || expected.iter().all(|texel| texel & STALE == 0));
             }
         }
     }
-    laid.vulkan.assert_valid();
+    bed.vulkan.assert_valid();
 }
 
 /// The skipped blocks with their sources; their order does not matter.
@@ -172,8 +172,8 @@ fn skipped(words: &[u32]) -> BTreeSet<[u32; 2]> {
 
 #[test]
 fn masks_match_the_reference() {
-    let laid = Laid::new();
-    let gpu = &laid.vulkan.gpu;
+    let bed = Bed::new();
+    let gpu = &bed.vulkan.gpu;
     let (kernels, pass) = (Arc::new(MaskKernels::new(gpu).unwrap()), MaskPass::new(gpu).unwrap());
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
     let mut all_skipped = 0;
@@ -184,7 +184,7 @@ fn masks_match_the_reference() {
         let maps = eyes.each_ref().map(|rates| eye_map(*eye, rates));
         let table = rate_map_table(maps.each_ref(), parts, image).unwrap();
         let available = DeviceRates::new(VULKAN_RATES.into_iter()).available();
-        let target = Arc::new(laid.target(&table, eyes.each_ref(), available, true));
+        let target = Arc::new(bed.target(&table, eyes.each_ref(), available, true));
         let [x, y, width, height] = image.area;
         let extent = [x + width, y + height];
         for format in [DepthFormat::Unorm16, DepthFormat::Float32, DepthFormat::Blocks] {
@@ -195,24 +195,24 @@ fn masks_match_the_reference() {
                 pass.target(map.clone(), &target, (image.texel, image.tiles, image.layers), &views).unwrap();
             // Twice: what was listed before is gone.
             for _ in 0..2 {
-                laid.vulkan.run(|commands| {
+                bed.vulkan.run(|commands| {
                     // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
                     let commands = unsafe { AppCommands::new(gpu, commands) };
-                    laid.lay.record(&commands, &target);
+                    bed.resolve.record(&commands, &target);
                     pass.record(&commands, &masked);
                 });
             }
-            let texels = laid.vulkan.read(target.texels(), target.len());
+            let texels = bed.vulkan.read(target.texels(), target.len());
             let mut mask = Mask::new(extent, image.layers);
             resolve_mask(&mut mask, parts, image, &texels);
             let words = mask.list().words();
-            let got = laid.vulkan.read(map.list(), (words.len() + 2) * 4);
+            let got = bed.vulkan.read(map.list(), (words.len() + 2) * 4);
             let got: Vec<u32> = got.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect();
             assert_eq!(got[..4], words[..4], "case {number}: the dispatch");
             assert!(skipped(&got) == skipped(words), "case {number}, {format:?}: other blocks are filled");
             all_skipped += words[3];
             let size = 4 * format.words(extent).unwrap().layer as usize;
-            let got = laid.vulkan.read(map.template().unwrap(), size * image.layers as usize);
+            let got = bed.vulkan.read(map.template().unwrap(), size * image.layers as usize);
             for layer in 0..image.layers {
                 let mut expected = vec![0; size];
                 write_template(&mask, layer, format, depths, &mut expected);
@@ -222,20 +222,20 @@ fn masks_match_the_reference() {
         }
     }
     assert!(all_skipped > 10_000, "hardly anything is skipped: {all_skipped}");
-    laid.vulkan.assert_valid();
+    bed.vulkan.assert_valid();
 }
 
 #[test]
 fn what_the_kernel_cannot_serve_is_refused() {
-    let laid = Laid::new();
-    let gpu = &laid.vulkan.gpu;
+    let bed = Bed::new();
+    let gpu = &bed.vulkan.gpu;
     let (kernels, pass) = (Arc::new(MaskKernels::new(gpu).unwrap()), MaskPass::new(gpu).unwrap());
     let tiles = rates([4, 4], 1, false);
     let map = eye_map([64, 64], &tiles);
     let image = RateImage { area: [0, 0, 64, 64], texel: TEXEL, tiles: [4, 4], layers: 1 };
     let parts = [part(Eyes::Left, 0, [0.0, 0.0, 1.0, 1.0], Orientation::Upright)];
     let table = rate_map_table([&map, &map], &parts, &image).unwrap();
-    let target = Arc::new(laid.target(&table, [&tiles, &tiles], [0; 16], false));
+    let target = Arc::new(bed.target(&table, [&tiles, &tiles], [0; 16], false));
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
     let views = mask_views(&parts, &image);
     let made = |extent: [u32; 2], texel: [u32; 2]| {
@@ -247,5 +247,5 @@ fn what_the_kernel_cannot_serve_is_refused() {
     assert!(made([64, 64], TEXEL));
     assert!(!made([63, 64], TEXEL), "a row that does not begin with a word");
     assert!(!made([64, 64], [16, BLOCK + 1]), "tiles that are no whole blocks");
-    laid.vulkan.assert_valid();
+    bed.vulkan.assert_valid();
 }

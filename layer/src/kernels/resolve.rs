@@ -1,6 +1,6 @@
-//! `lay`: the rates of [`super::decide`], resolved over the picture of a pass of the application.
+//! `resolve`: the rates of [`super::decide`], resolved over the picture of a pass of the application.
 
-pub use parafovea_core::kernels::lay::{LayParams, LayTable};
+pub use parafovea_core::kernels::resolve::{RateMapTable, ResolveParams};
 
 use super::analyze::ViewTiles;
 use crate::gpu::{
@@ -12,18 +12,18 @@ use std::sync::Arc;
 /// Parameters, table, rates of the left and of the right eye, texels.
 const BINDINGS: [vk::DescriptorType; 5] = [vk::DescriptorType::STORAGE_BUFFER; 5];
 
-/// Threads of a workgroup, each of which lays four texels. The shader has the same number.
+/// Threads of a workgroup, each of which writes four texels. The shader has the same number.
 const THREADS: u32 = 64;
 
 /// The pass.
-pub struct Lay {
+pub struct Resolve {
     pipeline: Owned<vk::Pipeline>,
     layout: ComputeLayout,
     gpu: Arc<Gpu>,
 }
 
 /// The texels of one rate image.
-pub struct LayTarget {
+pub struct RateMapTexels {
     // In the order in which each may be destroyed.
     set: ComputeSet,
     _params: DeviceBuffer,
@@ -33,7 +33,7 @@ pub struct LayTarget {
     len: u32,
 }
 
-impl LayTarget {
+impl RateMapTexels {
     /// The texels, a byte each, row by row, layer by layer, valid as long as `self`. Copies and compute shaders may read them.
     pub fn texels(&self) -> vk::Buffer {
         self.texels.handle()
@@ -50,28 +50,28 @@ impl LayTarget {
     }
 }
 
-impl Lay {
+impl Resolve {
     /// Prepares the pass.
     ///
     /// # Errors
     /// A failed call.
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
         let layout = ComputeLayout::new(gpu, &BINDINGS)?;
-        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/lay.spv"));
-        Ok(Self { pipeline: layout.pipeline(spirv, c"lay")?, layout, gpu: Arc::clone(gpu) })
+        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/resolve.spv"));
+        Ok(Self { pipeline: layout.pipeline(spirv, c"resolve")?, layout, gpu: Arc::clone(gpu) })
     }
 
-    /// Prepares to lay the rates of both eyes' tiles by `table`, whose pictures are within those tiles; all texels are 1x1 until then.
+    /// Prepares to resolve the rates of both eyes' tiles by `table`, whose pictures are within those tiles; all texels are 1x1 until then.
     ///
     /// # Errors
     /// A failed call, or [`GpuError::Unsupported`] for more texels than the device takes.
     pub fn target(
         &self,
-        table: &LayTable,
+        table: &RateMapTable,
         eyes: [&Arc<ViewTiles>; 2],
         available: [u8; 16],
         leaves_out: bool,
-    ) -> Result<LayTarget, GpuError> {
+    ) -> Result<RateMapTexels, GpuError> {
         let gpu = &self.gpu;
         let params = table.params(eyes.map(|eye| eye.tiles()[0]), available, leaves_out);
         let [columns, rows] = params.texels;
@@ -90,12 +90,12 @@ impl Lay {
         let bound = [params_buffer.handle(), table.handle(), left, right, texels.handle()];
         let set = ComputeSet::of_buffers(&self.layout, &bound)?;
         let eyes = eyes.map(Arc::clone);
-        Ok(LayTarget { set, _params: params_buffer, _table: table, texels, _eyes: eyes, len })
+        Ok(RateMapTexels { set, _params: params_buffer, _table: table, texels, _eyes: eyes, len })
     }
 
-    /// Records that the texels of `target` are laid from the rates as they are by then, ready to be copied or to be read by
+    /// Records that the texels of `target` are resolved from the rates as they are by then, ready to be copied or to be read by
     /// compute shaders.
-    pub fn record(&self, commands: &AppCommands, target: &LayTarget) {
+    pub fn record(&self, commands: &AppCommands, target: &RateMapTexels) {
         commands.memory_barrier(READS_OF_RESULTS, COMPUTES);
         let groups = target.len.div_ceil(4).div_ceil(THREADS);
         commands.dispatch(&self.layout, &self.pipeline, &target.set, [groups, 1]);

@@ -1,7 +1,7 @@
-// Kernel `lay`: from the rates of the tiles of both eyes to the texels of one rate image.
-// Reference: core/src/kernels/lay.rs. A thread lays four texels that follow each other, which share a word.
+// Kernel `resolve`: from the rates of the tiles of both eyes to the texels of one rate image.
+// Reference: core/src/kernels/resolve.rs. A thread writes four texels that follow each other, which share a word.
 
-struct LayParams {
+struct ResolveParams {
     texels: vec2<u32>,
     layers: u32,
     pictures: u32,
@@ -12,13 +12,13 @@ struct LayParams {
 }
 
 // Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
-@group(0) @binding(0) var<storage, read> params: LayParams;
-// kernels::lay::LayTable
+@group(0) @binding(0) var<storage, read> params: ResolveParams;
+// kernels::resolve::RateMapTable
 @group(0) @binding(1) var<storage, read> pictures: array<u32>;
 // Rates of tiles, four of a row in a word; rows begin with a new one.
 @group(0) @binding(2) var<storage, read> left: array<u32>;
 @group(0) @binding(3) var<storage, read> right: array<u32>;
-@group(0) @binding(4) var<storage, read_write> laid: array<u32>;
+@group(0) @binding(4) var<storage, read_write> resolved: array<u32>;
 
 // reuse::STALE
 const STALE: u32 = 0x80u;
@@ -78,7 +78,7 @@ fn texel_at(index: u32) -> u32 {
 }
 
 @compute @workgroup_size(64)
-fn lay(@builtin(global_invocation_id) id: vec3<u32>) {
+fn resolve(@builtin(global_invocation_id) id: vec3<u32>) {
     let texels = params.texels.x * params.texels.y * params.layers;
     if 4u * id.x >= texels {
         return;
@@ -90,5 +90,5 @@ fn lay(@builtin(global_invocation_id) id: vec3<u32>) {
             word |= texel_at(index) << (8u * i);
         }
     }
-    laid[id.x] = word;
+    resolved[id.x] = word;
 }
