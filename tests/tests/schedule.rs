@@ -37,23 +37,10 @@ fn share(config: &str, frames: u64) -> f64 {
     percent(shaded(config, FROM + frames) - shaded(config, FROM)) / frames as f64
 }
 
-/// The paper's rates, and the frames after which a configuration's repeat: its 60 frames are a multiple of them. By tiles of 16
+/// Compares configurations with the paper's shares: each with that share, percent, and the frames after which it repeats. By tiles of 16
 /// pixels instead of by pixels it is up to half a point more (`cargo test -p parafovea-core tiles_cost -- --nocapture`).
-#[test]
-fn the_paper_s_configurations_shade_what_its_table_says() {
-    let table = [
-        ("11111", 100.0, 1),
-        ("11112", 57.6, 2),
-        ("11122", 52.2, 2),
-        ("11223", 36.4, 6),
-        ("11233", 34.6, 6),
-        ("12222", 50.2, 2),
-        ("12233", 34.4, 6),
-        ("12234", 27.3, 12),
-        ("12334", 26.7, 12),
-        ("12345", 21.5, 60),
-    ];
-    for (periods, paper, frames) in table {
+fn shade_what_the_table_says(table: &[(&str, f64, u64)]) {
+    for &(periods, paper, frames) in table {
         let config = format!(
             "preset = \"paper\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"off\"\ngate = \"on\"\n[reuse]\nmode = \"paper\"\n\
              periods = \"{periods}\"\n"
@@ -62,6 +49,27 @@ fn the_paper_s_configurations_shade_what_its_table_says() {
         println!("{periods}: {share:.2} % shaded, {paper} % in the paper");
         assert!((share - paper).abs() < 1.0, "{periods}: {share} % for {paper} %");
     }
+}
+
+#[test]
+fn the_paper_s_configurations_of_up_to_two_frames_shade_what_its_table_says() {
+    shade_what_the_table_says(&[
+        ("11111", 100.0, 1),
+        ("11112", 57.6, 2),
+        ("11122", 52.2, 2),
+        ("12222", 50.2, 2),
+    ]);
+}
+
+#[test]
+fn the_paper_s_configurations_of_up_to_three_frames_shade_what_its_table_says() {
+    shade_what_the_table_says(&[("11223", 36.4, 6), ("11233", 34.6, 6), ("12233", 34.4, 6)]);
+}
+
+/// The paper's 60 frames are a multiple of all of them.
+#[test]
+fn the_paper_s_configurations_of_up_to_five_frames_shade_what_its_table_says() {
+    shade_what_the_table_says(&[("12234", 27.3, 12), ("12334", 26.7, 12), ("12345", 21.5, 60)]);
 }
 
 /// Patches that take turns cost more than the paper's regions, because a tile is rendered when any direction in it is; in return
