@@ -129,11 +129,11 @@ impl Bed {
             return Err(failed(format!("hello_xr: {ended}\n{}", self.read("tmp/output.log"))));
         }
         let lines = self.read(MAPS);
-        let maps = lines.lines().filter_map(|line| match serde_json::from_str(line) {
+        let mut maps = lines.lines().filter_map(|line| match serde_json::from_str(line) {
             Ok(ShadingRateLine::Pass(pass)) => pass.map,
             Ok(ShadingRateLine::Finding(_)) | Err(_) => None,
         });
-        let map = maps.last().ok_or_else(|| failed(format!("no map\n{}", self.log())))?;
+        let map = maps.next_back().ok_or_else(|| failed(format!("no map\n{}", self.log())))?;
         Ok(Seen { status, map })
     }
 
