@@ -1,6 +1,7 @@
 //! State of the gaze: tracked, held, lost; fixating, following or in a saccade.
 
 mod calibration;
+mod delay;
 mod drift;
 mod fixation;
 mod inflation;
@@ -12,6 +13,7 @@ mod tracker;
 mod vergence;
 
 pub use calibration::{Calibration, CalibrationFailure, CalibrationFit, DOTS_DEG, Dots, FittedDot};
+pub use delay::{GazeDelay, TimedGaze};
 pub use drift::GazeDrift;
 pub use inflation::{MAX_FOVEAL_RADIUS_DEG, foveal_inflation_deg};
 pub use polynomial::{GazePolynomial, PolynomialOrder};

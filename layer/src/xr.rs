@@ -12,6 +12,7 @@ use std::ffi::CStr;
 mod actions;
 mod dispatch;
 mod frame;
+mod functions;
 mod gaze;
 mod instance;
 mod negotiate;

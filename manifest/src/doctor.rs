@@ -37,7 +37,7 @@ pub fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     findings.extend(device::examine(surroundings, &layers));
     findings.extend(created::examine(surroundings, &layers));
     findings.extend(configuration::examine(surroundings));
-    findings.extend(gaze::examine(surroundings));
+    findings.extend(gaze::examine(surroundings, &layers));
     findings.extend(audio::examine(surroundings, &layers));
     findings.extend(log::examine(surroundings));
     findings.extend(containers::examine(surroundings, &layers));

@@ -15,6 +15,7 @@ mod view;
 pub use correction::{AskedMeasurement, CorrectionStatus, GazeMeasurement, ask_measurement};
 pub use effect::effect;
 pub use folder::{Found, Gone, StatusFile, read_all};
+pub use gaze::ASSUMED_DELAY_MS;
 pub use view::{AskedView, ask_view};
 
 use serde::{Deserialize, Serialize};
@@ -146,6 +147,9 @@ pub struct Gaze {
     pub saccades: u32,
     /// Whether the application gets it too (`gaze.offer`).
     pub is_given: bool,
+    /// Time from the eye to the display of a frame that is planned when its OSC packet arrives, milliseconds, by the runtime's eye tracker;
+    /// `None`: not known.
+    pub packet_delay_ms: Option<f32>,
     /// How far the mean gaze of the last two minutes is from that of the session's first five, degrees; `None`: not known, or no farther than by
     /// chance.
     pub drift_deg: Option<f32>,

@@ -1,6 +1,6 @@
 //! Running real applications through the real loaders, with and without the layer, and judging the result.
 //!
-//! From the outside in: [`demo`], [`engines`], [`overhead`], [`break_even`] and [`native`] are what people run;
+//! From the outside in: [`demo`], [`engines`], [`monado`], [`overhead`], [`break_even`] and [`native`] are what people run;
 //! [`run::Run`] starts one application with a [`scenario::Scenario`] for the mock runtime in an environment of its own ([`installation`]), from the libraries
 //! and programs that cargo built ([`artifacts`]); what it did comes back as a [`record::Record`] and as
 //! [`picture::Picture`]s, which [`compare`] compares.
@@ -15,7 +15,9 @@ pub mod engines;
 pub mod error;
 pub mod installation;
 pub mod measure;
+pub mod monado;
 pub mod native;
+pub mod osc;
 pub mod overhead;
 pub mod picture;
 pub mod progress;

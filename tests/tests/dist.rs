@@ -1,6 +1,7 @@
 //! Packages for users, installed in folders of their own.
 
 use parafovea_dist::{DistError, Parts, TEST_NAMES, archive, package};
+use parafovea_manifest::json::Half;
 use parafovea_tests::artifacts::{program, system_program};
 use parafovea_tests::installation::{Driver, Halves, Installation};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -65,6 +66,9 @@ fn hello_xr_runs_with_the_content_of_the_package() {
         let is_there = |link: &String| documents.join(link.split('#').next().unwrap_or(link)).is_file();
         assert!(!links.is_empty() && links.iter().all(is_there), "{links:?}");
     }
+
+    let manifest = Half::OpenXr.manifest_path(&root.join("usr/share"));
+    assert!(Half::OpenXr.lists_eye_gaze(&fs::read_to_string(manifest).unwrap()));
 
     let installation = Installation::new(folder.path(), &Halves::default()).unwrap();
     let scenario = folder.path().join("scenario.toml");

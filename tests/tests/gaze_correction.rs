@@ -1,13 +1,14 @@
 //! `parafovea gaze recentre` and `calibrate`: the offset or the distortion of an eye tracker is measured in a running application, stored,
 //! and removed from the gaze.
 
-use crate::osc::{FRAMES, Sender, config, free_address, last_map, long, message, start, told};
+use crate::osc::{FRAMES, config, free_address, last_map, long, start, told};
 use parafovea_core::gaze::{DOTS_DEG, GazePolynomial};
 use parafovea_manifest::gaze_correction::{GazeCalibration, GazeCorrection};
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::read_all;
 use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::artifacts::program;
+use parafovea_tests::osc::{Sender, message};
 use parafovea_tests::run::{Application, Run, Running};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use std::path::{Path, PathBuf};
@@ -97,7 +98,8 @@ fn a_distortion_is_measured_with_nine_dots_and_removed() {
         let dot = found.first().map_or(0, |found| found.status.gaze_correction.dot);
         let [left, up] = distorted(DOTS_DEG[dot.saturating_sub(1) as usize]);
         message("/tracking/eye/CenterPitchYaw", &[-up, -left])
-    });
+    })
+    .unwrap();
     told(&running, |status| status.gaze.holder == "osc" && status.gaze.is_valid);
     let file = told(&running, |status| !status.gaze_correction.file.is_empty()).gaze_correction.file;
     let (file, state) = (Path::new(&file), Path::new(&file).ancestors().nth(3).unwrap());
@@ -172,7 +174,8 @@ fn a_stored_correction_moves_the_rates_of_its_source_alone() {
             correction.write(&GazeCorrection::file(&environment, headset).unwrap()).unwrap();
         }
         let address = free_address();
-        let _sender = Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-up, -left])]);
+        let _sender =
+            Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-up, -left])]).unwrap();
         let application = Application::ours("parafovea-scene", &["--lights", "0"]).unwrap();
         let run = Run::new(&application, &scenario).shading_rates(ShadingRateProfile::NvkTuring);
         let run = run.env("XDG_STATE_HOME", state.path()).on(&config("osc", address));

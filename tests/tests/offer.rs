@@ -1,12 +1,18 @@
 //! The gaze of the layer's own sources for applications that ask for it (`gaze.offer`): an application on a runtime without eye gaze sees
 //! what it would see on one that has it, and nothing of that without the option.
 
-use crate::osc::{Sender, free_address, message, told};
+use crate::osc::{free_address, told};
+use glam::{EulerRot, Quat};
 use parafovea_cases::report::Report;
-use parafovea_tests::run::{Application, Outcome, Run};
-use parafovea_tests::scenario::{Gaze, Head, Scenario, ScenarioExt};
+use parafovea_manifest::gaze_correction::GazeCorrection;
+use parafovea_manifest::paths::Environment;
+use parafovea_tests::artifacts::target_folder;
+use parafovea_tests::osc::{Sender, message};
+use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
+use parafovea_tests::scenario::{Gaze, Head, Picture, Scenario, ScenarioExt};
+use std::net::SocketAddr;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Where the eyes look in the space of the head, degrees.
 const LEFT: f32 = 17.0;
@@ -48,15 +54,21 @@ fn constant() -> String {
     format!("0,{LEFT},{UP}\n")
 }
 
+/// Cases of the application that are tested here alone.
+pub const TESTED: &[&str] =
+    &["finds_the_gaze_among_many_spaces", "shows_layers_in_the_gaze", "sees_the_gaze_come_and_go"];
+
 fn run(case: &str, scenario: &Scenario, config: Option<&str>) -> Outcome {
-    let application = Application::ours("parafovea-cases", &[case]).unwrap();
-    let run = Run::new(&application, scenario).timeout(Duration::from_secs(60)).listing_eye_gaze();
+    start(&[case], scenario, config).finish().unwrap()
+}
+
+fn start(arguments: &[&str], scenario: &Scenario, config: Option<&str>) -> Run {
+    let application = Application::ours("parafovea-cases", arguments).unwrap();
+    let run = Run::new(&application, scenario).timeout(Duration::from_secs(120)).listing_eye_gaze();
     match config {
         Some(config) => run.on(config),
         None => run,
     }
-    .finish()
-    .unwrap()
 }
 
 fn report(outcome: &Outcome) -> Report {
@@ -93,11 +105,17 @@ fn lines_with_other_numbers_differ() {
 
 /// The trace of a case on a runtime with eye gaze is the trace on one without, with the layer.
 fn check(case: &str, change: fn(&mut Scenario)) {
+    check_run(&[case], change, |run| run);
+}
+
+fn check_run(arguments: &[&str], change: fn(&mut Scenario), way: impl Fn(Run) -> Run) -> [Outcome; 2] {
     let folder = tempfile::tempdir().unwrap();
     let (mut reference, mut scenario) = (with_eye_gaze(), without_eye_gaze());
     [&mut reference, &mut scenario].into_iter().for_each(change);
-    let reference = run(case, &reference, None);
-    let outcome = run(case, &scenario, Some(&config(folder.path(), &constant(), true)));
+    let case = arguments[0];
+    let reference = way(start(arguments, &reference, None)).finish().unwrap();
+    let config = config(folder.path(), &constant(), true);
+    let outcome = way(start(arguments, &scenario, Some(&config))).finish().unwrap();
     let (expected, seen) = (report(&reference), report(&outcome));
     for (at, (line, other)) in expected.trace.iter().zip(&seen.trace).enumerate() {
         assert!(
@@ -113,6 +131,7 @@ fn check(case: &str, change: fn(&mut Scenario)) {
     assert_eq!(outcome.exit_code, Some(0), "{}\n{}", outcome.output, outcome.log);
     // One case attaches its sets twice.
     assert_eq!(outcome.record.errors, reference.record.errors);
+    [reference, outcome]
 }
 
 #[test]
@@ -132,6 +151,112 @@ fn an_application_looks_at_the_gaze_as_on_a_runtime_that_has_it() {
     ] {
         check(case, |_| {});
     }
+}
+
+#[test]
+fn an_application_finds_the_gaze_among_many_spaces() {
+    let loader = parafovea_openxr_loader::build(&target_folder().unwrap()).unwrap();
+    let arguments = ["finds_the_gaze_among_many_spaces", "--openxr", "1.1"];
+    let [_, outcome] = check_run(&arguments, |_| {}, |run| run.env("LD_LIBRARY_PATH", &loader));
+    let lines = report(&outcome).trace;
+    let is_found = |line: &&String| line.starts_with("one of many: XR_SUCCESS") && line.contains("Flags(15)");
+    assert!(lines.iter().filter(is_found).count() > 30, "{lines:#?}");
+}
+
+#[test]
+fn layers_in_the_gaze_are_shown_where_the_eyes_look() {
+    // Both pictures of both kinds of frames, after the first ones.
+    const SHOWN: [u64; 2] = [8, 9];
+    let change = |scenario: &mut Scenario| {
+        scenario.views.iter_mut().for_each(|view| (view.width, view.height) = (128, 128));
+        scenario.output.save_frames = SHOWN.to_vec();
+        scenario.output.save = vec![Picture::Eye];
+    };
+    let [reference, outcome] = check_run(&["shows_layers_in_the_gaze"], change, |run| run);
+    let mut elsewhere = without_eye_gaze();
+    change(&mut elsewhere);
+    let folder = tempfile::tempdir().unwrap();
+    let ahead = run("shows_layers_in_the_gaze", &elsewhere, Some(&config(folder.path(), "0,0,0\n", true)));
+    for (frame, eye) in SHOWN.into_iter().flat_map(|frame| [(frame, 0), (frame, 1)]) {
+        let differs_from_reference = |outcome: &Outcome| {
+            let [expected, seen] = [&reference, outcome].map(|outcome| outcome.eye(eye, frame).unwrap());
+            expected.enumerate().filter(|(x, y, pixel)| seen.at(*x, *y) != *pixel).count()
+        };
+        // Edges fall on other pixels where a pose differs by the rounding of its numbers.
+        assert!(differs_from_reference(&outcome) < 100, "{frame} {eye}: {}", outcome.log);
+        assert!(differs_from_reference(&ahead) > 1000, "{frame} {eye}");
+    }
+}
+
+/// Where packets say that the eyes look, and where they do after the correction.
+const SENT: [f32; 2] = [LEFT - 4.0, UP + 2.5];
+
+fn offers_packets(address: SocketAddr) -> String {
+    format!("[gaze]\noffer = true\nosc_listen = \"{address}\"\noffset_deg = \"1, 0.5\"\n")
+}
+
+/// A folder of state with a correction of packets by the rest of the way.
+fn corrected(scenario: &Scenario) -> tempfile::TempDir {
+    let state = tempfile::tempdir().unwrap();
+    let environment = Environment::new(false, |name| (name == "XDG_STATE_HOME").then(|| state.path().into()));
+    let correction = GazeCorrection::new(&scenario.system.name, "osc", [3.0, -3.0], 0.1);
+    correction.write(&GazeCorrection::file(&environment, &scenario.system.name).unwrap()).unwrap();
+    state
+}
+
+/// The orientation that the application saw when the gaze came is that of the eyes.
+fn assert_corrected(outcome: &Outcome) {
+    let report = report(outcome);
+    let come = report.trace.iter().find(|line| line.starts_with("come: XR_SUCCESS"));
+    let come = come.unwrap_or_else(|| panic!("{:#?}\n{}", report.trace, outcome.log));
+    let numbers: Vec<f32> = come.split(' ').filter_map(|word| word.parse().ok()).collect();
+    let expected = Quat::from_euler(EulerRot::YXZ, LEFT.to_radians(), UP.to_radians(), 0.0);
+    let seen = Quat::from_slice(&numbers[..4]);
+    assert!(seen.angle_between(expected).to_degrees() < 0.1, "{come}");
+    let gone = report.trace.iter().find(|line| line.starts_with("gone: ")).unwrap();
+    assert!(gone.starts_with("gone: XR_SUCCESS SpaceLocationFlags(0) "), "{gone}");
+    assert_eq!(outcome.exit_code, Some(0), "{}\n{}", outcome.output, outcome.log);
+}
+
+#[test]
+fn the_offered_gaze_is_corrected_and_can_be_withdrawn_at_any_time() {
+    let address = free_address();
+    let mut scenario = without_eye_gaze();
+    scenario.session.frames = 1_000_000;
+    let state = corrected(&scenario);
+    let config = offers_packets(address);
+    let run = start(&["sees_the_gaze_come_and_go"], &scenario, Some(&config));
+    let running = run.env("XDG_STATE_HOME", state.path()).start().unwrap();
+    let _sender =
+        Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-SENT[1], -SENT[0]])])
+            .unwrap();
+    told(&running, |status| status.gaze.is_given);
+    // The sender goes on.
+    std::fs::write(running.config_file(), config.replace("offer = true", "offer = false")).unwrap();
+    assert_corrected(&running.finish().unwrap());
+}
+
+#[test]
+fn a_session_that_is_inert_has_the_correction_too() {
+    let address = free_address();
+    let mut scenario = without_eye_gaze();
+    scenario.session.frames = 1_000_000;
+    let state = corrected(&scenario);
+    let application = Application::ours("parafovea-cases", &["sees_the_gaze_come_and_go"]).unwrap();
+    let run = Run::new(&application, &scenario).timeout(Duration::from_secs(120)).listing_eye_gaze();
+    let run = run.layer(LayerMode::OpenXrHalf(offers_packets(address))).env("XDG_STATE_HOME", state.path());
+    let running = run.start().unwrap();
+    // A tracker that comes and goes by itself: an inert session does not tell whether it gives the gaze.
+    let begun = Instant::now();
+    let _sender = Sender::moving(address, move || match begun.elapsed().as_secs() % 6 {
+        0..3 => message("/tracking/eye/CenterPitchYaw", &[-SENT[1], -SENT[0]]),
+        _ => message("/jawOpen", &[1.0]),
+    })
+    .unwrap();
+    let inert =
+        told(&running, |status| !status.inert.is_empty() && status.gaze_correction.correction.is_some());
+    assert_eq!(inert.frames, 0);
+    assert_corrected(&running.finish().unwrap());
 }
 
 #[test]
@@ -230,7 +355,8 @@ fn packets_reach_the_application_and_the_status_says_so() {
     let running = Run::new(&application, &scenario).on(&config).listing_eye_gaze().start().unwrap();
     let before = told(&running, |status| status.frames > 3);
     assert!(!before.gaze.is_given, "{before:#?}");
-    let sender = Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-UP, -LEFT])]);
+    let sender =
+        Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-UP, -LEFT])]).unwrap();
     let given = told(&running, |status| status.gaze.is_given);
     assert!(given.gaze.to_string().contains("given to the application"), "{}", given.gaze);
     drop(sender);

@@ -4,16 +4,11 @@
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Status, read_all};
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
+use parafovea_tests::osc::{FORMATS, LOOK, Sender, bundle, message};
 use parafovea_tests::run::{Application, Outcome, Run, Running};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use std::net::{SocketAddr, UdpSocket};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
-
-/// Where the eyes look, degrees to the left and upwards.
-const LOOK: [f32; 2] = [-18.0, 9.0];
 
 /// Frames until filter and safety limits have settled, and more.
 pub const FRAMES: u64 = 150;
@@ -23,106 +18,7 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A port that nobody has at this moment.
 pub fn free_address() -> SocketAddr {
-    UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
-}
-
-/// A text of OSC 1.0: with a zero at its end, and filled up to whole words.
-fn text(text: &str) -> Vec<u8> {
-    let mut bytes = text.as_bytes().to_vec();
-    bytes.resize((bytes.len() + 1).next_multiple_of(4), 0);
-    bytes
-}
-
-/// A message of OSC 1.0 with numbers.
-pub fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
-    let numbers_text = numbers.iter().flat_map(|number| number.to_be_bytes());
-    let tags = format!(",{}", "f".repeat(numbers.len()));
-    [text(address), text(&tags)].concat().into_iter().chain(numbers_text).collect()
-}
-
-/// A bundle of OSC 1.0, for at once.
-fn bundle(messages: &[Vec<u8>]) -> Vec<u8> {
-    let mut bytes = [text("#bundle"), 1u64.to_be_bytes().to_vec()].concat();
-    for message in messages {
-        bytes.extend((message.len() as u32).to_be_bytes());
-        bytes.extend(message);
-    }
-    bytes
-}
-
-/// Each format's packets for [`LOOK`], with its name in the status.
-fn formats() -> Vec<(&'static str, &'static str, Vec<Vec<u8>>)> {
-    let [left, up] = LOOK;
-    let turn = glam::Quat::from_euler(glam::EulerRot::YXZ, left.to_radians(), up.to_radians(), 0.0);
-    let glam::Vec3 { x, y, z } = turn * glam::Vec3::NEG_Z;
-    let native = |name: &str, numbers: &[f32]| vec![message(&format!("/tracking/eye/{name}"), numbers)];
-    let of_eyes = |name: &dyn Fn(&str, &str) -> String| -> Vec<Vec<u8>> {
-        let axes = [("X", -left / 45.0), ("Y", up / 45.0)];
-        let eyes = ["Left", "Right"].map(|eye| axes.map(|(axis, share)| message(&name(eye, axis), &[share])));
-        eyes.concat()
-    };
-    let vrcft = of_eyes(&|eye, axis| format!("/avatar/parameters/v2/Eye{eye}{axis}"));
-    let prefixed = of_eyes(&|eye, axis| format!("/avatar/parameters/FT/v2/Eye{eye}{axis}"));
-    let both = [("X", -left / 45.0), ("Y", up / 45.0)]
-        .map(|(axis, share)| message(&format!("/avatar/parameters/v2/Eye{axis}"), &[share]));
-    vec![
-        ("CenterPitchYaw", "VRChat", native("CenterPitchYaw", &[-up, -left])),
-        ("CenterPitchYawDist", "VRChat", native("CenterPitchYawDist", &[-up, -left, 1.5])),
-        ("LeftRightPitchYaw", "VRChat", native("LeftRightPitchYaw", &[-up, -left, -up, -left])),
-        ("CenterVec", "VRChat", native("CenterVec", &[x, y, -z])),
-        ("CenterVecFull", "VRChat", native("CenterVecFull", &[1.5 * x, 1.5 * y, -1.5 * z])),
-        ("LeftRightVec", "VRChat", native("LeftRightVec", &[x, y, -z, x, y, -z])),
-        ("v2, one by one", "VRCFaceTracking", vrcft),
-        ("v2 with a prefix, bundled", "VRCFaceTracking", vec![bundle(&prefixed)]),
-        ("v2 of both eyes", "VRCFaceTracking", both.to_vec()),
-        ("Baballonia", "Baballonia", of_eyes(&|eye, axis| format!("/{eye}Eye{axis}"))),
-    ]
-}
-
-/// Sends packets again and again, from one port, until it is dropped.
-pub struct Sender {
-    is_ending: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Sender {
-    fn new(
-        to: SocketAddr,
-        mut packets: impl FnMut() -> Vec<Vec<u8>> + Send + 'static,
-        pause: Duration,
-    ) -> Self {
-        let is_ending = Arc::new(AtomicBool::new(false));
-        let theirs = is_ending.clone();
-        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
-        let thread = std::thread::spawn(move || {
-            while !theirs.load(Ordering::Relaxed) {
-                for packet in packets() {
-                    // Before the listener is there, it is refused.
-                    let _ = socket.send_to(&packet, to);
-                }
-                std::thread::sleep(pause);
-            }
-        });
-        Self { is_ending, thread: Some(thread) }
-    }
-
-    /// As fast as an eye tracker, and more, as frames of simulated time are fast.
-    pub fn tracker(to: SocketAddr, packets: Vec<Vec<u8>>) -> Self {
-        Self::new(to, move || packets.clone(), Duration::from_millis(1))
-    }
-
-    /// An eye tracker of 100 Hz whose eyes move.
-    pub fn moving(to: SocketAddr, packet: impl FnMut() -> Vec<u8> + Send + 'static) -> Self {
-        let mut packet = packet;
-        Self::new(to, move || vec![packet()], Duration::from_millis(10))
-    }
-}
-
-impl Drop for Sender {
-    fn drop(&mut self) {
-        self.is_ending.store(true, Ordering::Relaxed);
-        self.thread.take().unwrap().join().unwrap();
-    }
+    parafovea_tests::osc::free_address().unwrap()
 }
 
 pub fn config(source: &str, address: SocketAddr) -> String {
@@ -156,11 +52,11 @@ fn each_format_drives_the_rates_of_an_application() {
     let expected = last_map(&scene(&played));
     let nobody = last_map(&scene(&config("osc", free_address())));
     assert!(expected.contains("0a") && expected != nobody, "{expected} {nobody}");
-    for (name, _, packets) in formats() {
+    for format in FORMATS {
         let address = free_address();
-        let _sender = Sender::tracker(address, packets);
+        let _sender = Sender::tracker(address, (format.packets)(LOOK)).unwrap();
         let outcome = scene(&config("osc", address));
-        assert_eq!(last_map(&outcome), expected, "{name}: {}", outcome.log);
+        assert_eq!(last_map(&outcome), expected, "{}: {}", format.name, outcome.log);
     }
 }
 
@@ -169,7 +65,7 @@ fn a_correction_moves_the_gaze_of_packets() {
     let rates_of = |lines: &str, [left, up]: [f32; 2]| {
         let address = free_address();
         let packets = vec![message("/tracking/eye/CenterPitchYaw", &[-up, -left])];
-        let _sender = Sender::tracker(address, packets);
+        let _sender = Sender::tracker(address, packets).unwrap();
         last_map(&scene(&config("osc", address).replace("[gaze]\n", &format!("[gaze]\n{lines}"))))
     };
     let [left, up] = LOOK;
@@ -215,13 +111,16 @@ fn hello_xr_follows_packets_while_they_arrive() {
     let running = start(&config("auto", address), &without_tracker());
     let none = told(&running, |status| status.frames > 0 && status.gaze.holder == "centre");
     assert!(!none.gaze.is_valid && none.gaze.osc.address == address.to_string(), "{none:#?}");
-    for (name, format, packets) in formats().into_iter().rev().step_by(4) {
-        let sender = Sender::tracker(address, packets);
+    for format in FORMATS {
+        let sender = Sender::tracker(address, (format.packets)(LOOK)).unwrap();
         let status = told(&running, |status| {
             let gaze = &status.gaze;
-            gaze.holder == "osc" && gaze.is_valid && gaze.osc.format == format && gaze.rate_hz > Some(0.0)
+            gaze.holder == "osc"
+                && gaze.is_valid
+                && gaze.osc.format == format.status
+                && gaze.rate_hz > Some(0.0)
         });
-        assert_eq!((status.gaze.osc.failure.as_str(), status.gaze.osc.malformed), ("", 0), "{name}");
+        assert_eq!((status.gaze.osc.failure.as_str(), status.gaze.osc.malformed), ("", 0), "{}", format.name);
         drop(sender);
         told(&running, |status| status.gaze.holder == "centre" && !status.gaze.is_valid);
     }
@@ -231,8 +130,8 @@ fn hello_xr_follows_packets_while_they_arrive() {
 fn floods_and_nonsense_are_counted_and_the_application_goes_on() {
     let address = free_address();
     let running = start(&config("osc", address), &without_tracker());
-    let (_, _, packets) = formats().remove(0);
-    let _tracker = Sender::tracker(address, packets);
+    let packets = (FORMATS[0].packets)(LOOK);
+    let _tracker = Sender::tracker(address, packets).unwrap();
     let before = told(&running, |status| status.gaze.is_valid && status.gaze.holder == "osc");
     let nonsense: Vec<Vec<u8>> = vec![
         b"\xff\xff\xff\xff".to_vec(),
@@ -243,7 +142,7 @@ fn floods_and_nonsense_are_counted_and_the_application_goes_on() {
     ];
     // More than 10 000 packets a second.
     let flood = vec![nonsense; 100].concat();
-    let flood = Sender::new(address, move || flood.clone(), Duration::from_millis(10));
+    let flood = Sender::new(address, move || flood.clone(), Duration::from_millis(10)).unwrap();
     let during = told(&running, |status| {
         let osc = &status.gaze.osc;
         [osc.malformed, osc.implausible, osc.other_senders, osc.floods].iter().all(|count| *count > 10)
@@ -272,8 +171,8 @@ fn a_port_that_is_taken_is_told_and_costs_no_more() {
 #[test]
 fn the_runtime_s_eye_tracker_comes_first_and_opens_no_port() {
     let address = free_address();
-    let (_, _, packets) = formats().remove(0);
-    let _sender = Sender::tracker(address, packets);
+    let packets = (FORMATS[0].packets)(LOOK);
+    let _sender = Sender::tracker(address, packets).unwrap();
     let config = config("auto", address).replace("[gaze]\n", "[gaze]\nattach_alone_after_s = 1\n");
     let running = start(&config, &long().gazing(5.0, 0.0));
     let status = told(&running, |status| status.gaze.holder == "eyes" && status.gaze.is_valid);

@@ -38,6 +38,8 @@ pub struct StatusSnapshot {
     pub gaze_age_ms: Option<f32>,
     /// How good it is.
     pub signal: SignalQuality,
+    /// Delay of packets by the runtime's eye tracker, milliseconds.
+    pub packet_delay_ms: Option<f32>,
     /// How far its mean has drifted, degrees.
     pub drift_deg: Option<f32>,
     /// Where the sound comes from.
@@ -80,6 +82,7 @@ impl Default for StatusSnapshot {
             gaze_is_valid: false,
             gaze_age_ms: None,
             signal: SignalQuality::default(),
+            packet_delay_ms: None,
             drift_deg: None,
             audio_source: AudioSource::Off,
             is_heard: false,
@@ -171,6 +174,7 @@ impl StatusSnapshot {
             noise_deg: noise_deg.map(|noise| rounded(noise, 100.0)),
             blinks,
             saccades,
+            packet_delay_ms: self.packet_delay_ms.map(f32::round),
             drift_deg: self.drift_deg.map(|drift| rounded(drift, 10.0)),
             osc: self.osc_status(),
         }

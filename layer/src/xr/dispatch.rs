@@ -1,50 +1,12 @@
-//! Every OpenXR function that this layer calls below, and every one that it hooks: one list.
-//!
-//! A line `c"xrName" field: Type => hook` gives the field of [`Next`], its loader and the answer of
-//! `xrGetInstanceProcAddr`; a line without `=> hook` is only called. All are OpenXR 1.0 core.
+//! Every OpenXR function that this layer calls below, and every one that it hooks: one list. All are OpenXR 1.0 core.
 
+use super::functions::functions;
 use super::{actions, frame, instance, plan, session, spaces, swapchain};
-use openxr_sys::pfn;
-use std::ffi::CStr;
-
-macro_rules! functions {
-    ($($name:literal $field:ident: $pfn:ident $(=> $hook:path)?;)*) => {
-        /// The functions of the layer (or runtime) below, for one instance.
-        #[derive(Clone, Copy)]
-        pub struct Next {
-            $(pub $field: pfn::$pfn,)*
-        }
-
-        impl Next {
-            /// Resolves every function beforehand, or gives the name of one that is missing.
-            ///
-            /// # Safety
-            ///
-            /// For a name, `get` returns the function of that name, or `None`.
-            #[allow(clippy::missing_transmute_annotations, reason = "the field gives the type")]
-            pub unsafe fn load(get: impl Fn(&CStr) -> Option<pfn::VoidFunction>) -> Result<Self, &'static CStr> {
-                // SAFETY: `get` returns the function of that name, as `# Safety` demands, and the list
-                // gives each name its type.
-                unsafe { Ok(Self { $($field: std::mem::transmute(get($name).ok_or($name)?),)* }) }
-            }
-        }
-
-        /// Our hook for a function.
-        pub fn hook(name: &CStr) -> Option<pfn::VoidFunction> {
-            $($(
-                if name == $name {
-                    let hook: pfn::$pfn = $hook;
-                    // SAFETY: any function pointer may be carried as PFN_xrVoidFunction; the receiver casts
-                    // it back by its name.
-                    return Some(unsafe { std::mem::transmute::<pfn::$pfn, pfn::VoidFunction>(hook) });
-                }
-            )?)*
-            None
-        }
-    };
-}
 
 functions! {
+    /// The functions of the layer (or runtime) below, for one instance.
+    Next;
+
     c"xrDestroyInstance" destroy_instance: DestroyInstance => instance::destroy;
     c"xrPollEvent" poll_event: PollEvent => actions::poll_event;
     c"xrGetSystemProperties" get_system_properties: GetSystemProperties;

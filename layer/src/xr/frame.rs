@@ -14,11 +14,12 @@ pub use debug_view::{DebugViews, draw_over_released};
 pub use history::{History, SortedTiles};
 
 use super::instance::next_of_any;
+use super::offer::PlacedLayers;
 use super::session::{self, Active, Health, Session, Tools};
 use super::submission::{Layer, Projection, Submission};
 use super::vulkan_device::FrameReport;
 use super::{plan, swapchain};
-use crate::abi::guard;
+use crate::abi::{attempt, guard};
 use crate::config::ConfigSnapshot;
 use crate::gpu::GpuError;
 use crate::kernels::compose::ComposeJob;
@@ -92,7 +93,11 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
-    // SAFETY: the next layer's function with the application's own arguments.
+    let mut placed = None;
+    // SAFETY: valid usage: `info` and what it points to are valid.
+    attempt("layers that the gaze moves", || placed = unsafe { PlacedLayers::of(info) });
+    let info = placed.as_ref().map_or(info, PlacedLayers::info);
+    // SAFETY: the next layer's function with the application's own arguments, or our copy of one.
     let below = || unsafe { (next.end_frame)(handle, info) };
     // SAFETY: as above, of a frame without layers: `info` was read, so it is valid.
     let below_empty = || unsafe {

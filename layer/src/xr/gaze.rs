@@ -10,10 +10,11 @@ use crate::inputs::gaze::correction::GazeCorrecting;
 use crate::inputs::gaze::osc::{Listener, OscSource};
 use crate::inputs::gaze::recording::Recording;
 use crate::inputs::gaze::script::GazeScript;
-use crate::inputs::gaze::{Look, turned};
+use crate::inputs::gaze::{Look, degrees, turned};
 use crate::status::StatusSnapshot;
+use glam::Vec3;
 use openxr_sys as xr;
-use parafovea_core::gaze::{GazePhase, GazeSettings};
+use parafovea_core::gaze::{GazeDelay, GazePhase, GazeSettings, TimedGaze};
 use std::fs::OpenOptions;
 use std::io::Read;
 use std::os::unix::fs::OpenOptionsExt;
@@ -41,6 +42,8 @@ struct State {
     begin_ns: Option<i64>,
     osc: OscSource,
     auto: Auto,
+    /// Of packets, by the runtime's eye tracker.
+    delay: GazeDelay,
     /// Where the newest gaze came from.
     holder: Holder,
 }
@@ -130,6 +133,7 @@ impl SessionGaze {
         let state = self.state();
         snapshot.gaze_holder = state.holder;
         snapshot.osc = state.osc.status();
+        snapshot.packet_delay_ms = state.delay.delay_ms();
         drop(state);
         snapshot.drift_deg = self.correction.drift_deg();
     }
@@ -165,7 +169,9 @@ impl SessionGaze {
         let (holder, look) = match config.gaze.source {
             GazeSource::Auto => {
                 let (eyes, packets) = (session.actions.look(session, time), packets());
-                self.state().auto.choose(eyes, packets, time_ns)
+                let mut state = self.state();
+                state.compare(eyes, packets);
+                state.auto.choose(eyes, packets, time_ns)
             }
             GazeSource::Eyes => (Holder::Eyes, session.actions.look(session, time)),
             GazeSource::Osc => (Holder::Osc, packets()),
@@ -234,6 +240,30 @@ impl SessionGaze {
     }
 }
 
+impl State {
+    /// Takes the gaze of both sources, where both are there, for the delay of packets.
+    fn compare(&mut self, eyes: Look, packets: Look) {
+        if packets == Look::NoTracker {
+            // The next sender may have another delay.
+            if self.delay.has_begun() {
+                self.delay = GazeDelay::default();
+            }
+        } else if eyes != Look::NoTracker {
+            self.delay.push(timed(eyes, 0), timed(packets, latency_ns()));
+        }
+    }
+}
+
+/// A gaze whose time is known, so much later; `None` for any other.
+fn timed(look: Look, later_ns: i64) -> Option<TimedGaze> {
+    match look {
+        Look::At { direction, sampled_ns } if sampled_ns > 0 && direction != Vec3::ZERO => {
+            Some((degrees(direction), sampled_ns.saturating_add(later_ns)))
+        }
+        Look::At { .. } | Look::Unseen | Look::NoTracker => None,
+    }
+}
+
 /// A source of the layer's own whose gaze applications can get.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Offered {
@@ -292,3 +322,6 @@ fn record_to(path: &Path) -> Option<Recording> {
         .inspect_err(|error| tracing::error!("no recording of the gaze: gaze.record = {path:?}: {error}"))
         .ok()
 }
+
+#[cfg(test)]
+mod tests;

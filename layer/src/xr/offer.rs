@@ -13,6 +13,7 @@
 mod below;
 mod hooks;
 mod input;
+mod layers;
 mod pose;
 mod session;
 mod sources;
@@ -21,8 +22,9 @@ mod spaces;
 pub use hooks::{
     current_profile, note_attached, note_event, note_suggestion, strip_eyes, suggest, synchronise,
 };
+pub use layers::PlacedLayers;
 pub use session::SessionOffer;
-pub use spaces::{forget_all_of, forget_space, views_base};
+pub use spaces::{GazeSpace, forget_all_of, forget_space};
 
 use super::actions::gaze_paths;
 use super::dispatch::Next;

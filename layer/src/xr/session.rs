@@ -177,7 +177,8 @@ pub(super) unsafe fn track(
     // Never with elevated rights: then instances are inert.
     let environment = Environment::of_process(false);
     let correction = Arc::<GazeCorrecting>::default();
-    let requests = active.as_ref().map(|_| {
+    let has_gaze = active.is_some() || offer.is_some();
+    let requests = has_gaze.then(|| {
         CorrectionRequests::new(&environment, std::process::id(), headset.name, Arc::clone(&correction))
     });
     let gaze = SessionGaze::new(correction);

@@ -254,7 +254,7 @@ pub fn fov(fov: &xr::Fovf) -> Fov {
 /// # Safety
 ///
 /// The layer is valid, and of the type that it says.
-unsafe fn cast<T: Structure>(layer: &xr::CompositionLayerBaseHeader) -> Option<&T> {
+pub unsafe fn cast<T: Structure>(layer: &xr::CompositionLayerBaseHeader) -> Option<&T> {
     // SAFETY: the layer is valid and of its type, as `# Safety` demands; `Structure` says that a structure of this number is a T.
     (layer.ty.into_raw() == T::number()).then(|| unsafe { &*std::ptr::from_ref(layer).cast::<T>() })
 }

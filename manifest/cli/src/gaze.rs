@@ -80,6 +80,9 @@ fn of_one(status: &Status) -> String {
         line("blinks", &gaze.blinks.to_string());
         line("saccades", &gaze.saccades.to_string());
     }
+    if let Some(delay) = gaze.packet_delay() {
+        line("delay", &delay);
+    }
     if let Some(correction) = &status.gaze_correction.correction {
         line("corrected", &measurement::of_correction(correction));
     }
@@ -150,6 +153,7 @@ mod tests {
             blinks: 4,
             saccades: 37,
             is_given: false,
+            packet_delay_ms: Some(63.0),
             drift_deg: Some(2.1),
             osc: Osc {
                 address: "127.0.0.1:9020".to_owned(),
@@ -167,12 +171,13 @@ mod tests {
     fn the_signal_of_a_followed_gaze_is_shown() {
         let text = of_all(&found(followed()));
         for line in [
-            "  gaze      OSC (VRChat): valid, 120 Hz, 58 ms old at display time",
+            "  gaze      OSC (VRChat): valid, 120 Hz, 58 ms old at display time; delay of packets 63 ms",
             "  source    gaze.source = \"auto\"",
             "  rate      120 Hz",
             "  age       58 ms at display time",
             "  valid     in 98 % of the frames",
             "  noise     0.12 degrees from sample to sample in fixations",
+            "  delay     63 ms from the eye to the display of its packet, by the runtime's eye tracker; 50 ms are assumed",
             "  blinks    4",
             "  saccades  37",
             "  drift     the mean gaze has drifted by 2.1 degrees since the first five minutes; if the headset slipped: parafovea gaze recentre",

@@ -226,6 +226,6 @@ fn without_eyes(config: &Config) -> String {
     let auto = if config.gaze.source == GazeSource::Eyes { "set gaze.source = \"auto\" and " } else { "" };
     format!(
         "for an eye tracker with a program of its own, {auto}let the program send OSC packets to {address}; for fixed foveation, \
-         set gaze.source = \"centre\""
+         set preset = \"fixed\" (gaze.source = \"centre\")"
     )
 }

@@ -1,6 +1,7 @@
 //! The source of the gaze: which one suits the headset, and which one running applications have.
 
 use super::configuration::in_force;
+use super::layers::Layers;
 use super::{Finding, Fix, Surroundings};
 use crate::config::Config;
 use crate::json::{EYE_GAZE_EXTENSION, Half};
@@ -13,7 +14,7 @@ use std::time::SystemTime;
 /// Lists of the system's UDP sockets (proc(5), `/proc/net/udp`).
 const SOCKETS: [&str; 2] = ["/proc/net/udp", "/proc/net/udp6"];
 
-pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
+pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let (found, _) = read_all(&surroundings.environment, SystemTime::now()).unwrap_or_default();
     let running: Vec<Status> =
         found.into_iter().map(|found| found.status).filter(|status| status.inert.is_empty()).collect();
@@ -26,7 +27,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     if let Some(config) = in_force(surroundings).1 {
         findings.extend(suitable(surroundings, &config));
         findings.extend(packets(surroundings, &config, &running));
-        findings.extend(offered(surroundings, &config));
+        findings.extend(offered(surroundings, layers, &config));
     }
     findings
 }
@@ -55,7 +56,7 @@ fn suitable(surroundings: &Surroundings, config: &Config) -> Option<Finding> {
 }
 
 /// The gaze that the user gives to applications.
-fn offered(surroundings: &Surroundings, config: &Config) -> Option<Finding> {
+fn offered(surroundings: &Surroundings, layers: &Layers, config: &Config) -> Option<Finding> {
     if !config.gaze.offer {
         return None;
     }
@@ -70,9 +71,12 @@ fn offered(surroundings: &Surroundings, config: &Config) -> Option<Finding> {
             .advise("set gaze.source = \"osc\", or remove gaze.offer"),
         );
     }
-    let manifest = Half::OpenXr.manifest_path(surroundings.environment.data_home()?);
-    // Where another one is in force, the manifests' own findings say so.
-    let text = fs::read_to_string(manifest).ok()?;
+    if tracks_eyes(surroundings) == Some(true) {
+        let found = "games get the gaze of the headset's own eye tracker: gaze.offer = true has no effect";
+        return Some(Finding::good("gaze-of-runtime", found));
+    }
+    // Of the user or of the system. Without one, the manifests' own findings say so.
+    let text = fs::read_to_string(&layers.ours(Half::OpenXr).next()?.path).ok()?;
     if Half::OpenXr.lists_eye_gaze(&text) {
         let found = "games that ask for the gaze get it, and may store or send it (gaze.offer = true)";
         return Some(Finding::good("gaze-offered", found));

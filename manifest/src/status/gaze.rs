@@ -3,6 +3,9 @@
 use super::Gaze;
 use std::fmt;
 
+/// The delay of packets for prediction, milliseconds.
+pub const ASSUMED_DELAY_MS: u32 = 50;
+
 /// Source, rate and age in one line.
 impl fmt::Display for Gaze {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -27,7 +30,9 @@ impl fmt::Display for Gaze {
             (false, None) => "none".to_owned(),
         };
         let given = if self.is_given { ", given to the application" } else { "" };
-        write!(f, "{source}: {state}{given}{}", self.packets())
+        let delay =
+            self.packet_delay_ms.map_or(String::new(), |delay| format!("; delay of packets {delay:.0} ms"));
+        write!(f, "{source}: {state}{given}{}{delay}", self.packets())
     }
 }
 
@@ -37,6 +42,14 @@ impl Gaze {
         let drift = self.drift_deg?;
         Some(format!(
             "the mean gaze has drifted by {drift:.1} degrees since the first five minutes; if the headset slipped: parafovea gaze recentre"
+        ))
+    }
+
+    /// The delay of packets in words; `None` if it is not known.
+    pub fn packet_delay(&self) -> Option<String> {
+        let delay = self.packet_delay_ms?;
+        Some(format!(
+            "{delay:.0} ms from the eye to the display of its packet, by the runtime's eye tracker; {ASSUMED_DELAY_MS} ms are assumed"
         ))
     }
 
@@ -84,7 +97,9 @@ mod tests {
         let fresh =
             Gaze { is_valid: true, age_ms: Some(58.0), rate_hz: Some(120.0), ..gaze("auto", "osc", vrchat) };
         let given = Gaze { is_given: true, ..fresh.clone() };
+        let compared = Gaze { packet_delay_ms: Some(63.0), ..fresh.clone() };
         for (gaze, line) in [
+            (compared, "OSC (VRChat): valid, 120 Hz, 58 ms old at display time; delay of packets 63 ms"),
             (given, "OSC (VRChat): valid, 120 Hz, 58 ms old at display time, given to the application"),
             (fresh, "OSC (VRChat): valid, 120 Hz, 58 ms old at display time"),
             (gaze("auto", "eyes", Osc::default()), "eye tracker: none"),

@@ -112,4 +112,7 @@ cases! {
     input::gaze => tells_eyes_from_hands [c"XR_EXT_eye_gaze_interaction"],
     input::gaze => suggests_gaze_without_its_extension,
     input::gaze => suggests_gaze_in_each_session [c"XR_EXT_eye_gaze_interaction"],
+    input::gaze => finds_the_gaze_among_many_spaces [c"XR_EXT_eye_gaze_interaction"],
+    input::gaze => shows_layers_in_the_gaze [c"XR_EXT_eye_gaze_interaction"],
+    input::gaze => sees_the_gaze_come_and_go [c"XR_EXT_eye_gaze_interaction"],
 }

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::failure::{Failure, name, succeeded};
-use crate::functions::characters;
+use crate::functions::{characters, extension_function};
 use crate::session::{Frame, IDENTITY, Session};
 use openxr_sys as xr;
 use openxr_sys::Handle;
@@ -199,6 +199,77 @@ impl<'a> Controls<'a> {
         Ok(())
     }
 
+    /// Notes whether the source of the gaze has a name, of any text, and whether its length is told first.
+    pub fn name_of_gaze(&self, session: &Session) -> Result<(), Failure> {
+        let info = xr::InputSourceLocalizedNameGetInfo {
+            ty: xr::InputSourceLocalizedNameGetInfo::TYPE,
+            next: null(),
+            source_path: self.path(GAZE_POSE)?,
+            which_components: xr::InputSourceLocalizedNameFlags::USER_PATH
+                | xr::InputSourceLocalizedNameFlags::COMPONENT,
+        };
+        let get = self.app.xr.functions.get_localized_name;
+        let (mut count, mut filled, mut text) = (0, 0, [0; 64]);
+        // SAFETY: the session is live; the array has the capacity that is passed.
+        let (length, name_result) = unsafe {
+            let length = get(session.handle, &info, 0, &mut count, null_mut());
+            (length, get(session.handle, &info, 64, &mut filled, text.as_mut_ptr()))
+        };
+        let end = text.iter().position(|character| *character == 0).unwrap_or(0);
+        let is_whole = end > 0 && count == filled && filled as usize == end + 1;
+        self.trace(format!("name: {} {} whole {is_whole}", name(length), name(name_result)));
+        Ok(())
+    }
+
+    /// Notes where spaces are in another, by one call of OpenXR 1.1, and which velocities are valid.
+    pub fn locations(
+        &self,
+        session: &Session,
+        spaces: &[xr::Space],
+        base: xr::Space,
+        frame: &Frame,
+    ) -> Result<(), Failure> {
+        let locate = extension_function!(self.app.xr, LocateSpaces)?;
+        let info = xr::SpacesLocateInfo {
+            ty: xr::SpacesLocateInfo::TYPE,
+            next: null(),
+            base_space: base,
+            time: frame.display_time,
+            space_count: spaces.len() as u32,
+            spaces: spaces.as_ptr(),
+        };
+        let nowhere = xr::SpaceLocationData { location_flags: xr::SpaceLocationFlags::EMPTY, pose: IDENTITY };
+        let unknown = xr::SpaceVelocityData {
+            velocity_flags: xr::SpaceVelocityFlags::LINEAR_VALID,
+            linear_velocity: xr::Vector3f::default(),
+            angular_velocity: xr::Vector3f::default(),
+        };
+        let (mut found, mut moving) = (vec![nowhere; spaces.len()], vec![unknown; spaces.len()]);
+        let mut velocities = xr::SpaceVelocities {
+            ty: xr::SpaceVelocities::TYPE,
+            next: null_mut(),
+            velocity_count: moving.len() as u32,
+            velocities: moving.as_mut_ptr(),
+        };
+        let mut locations = xr::SpaceLocations {
+            ty: xr::SpaceLocations::TYPE,
+            next: (&raw mut velocities).cast(),
+            location_count: found.len() as u32,
+            locations: found.as_mut_ptr(),
+        };
+        // SAFETY: the session and the spaces are live; the structures outlive the call.
+        let result = unsafe { locate(session.handle, &info, &mut locations) };
+        for (location, velocity) in found.iter().zip(&moving) {
+            let (flags, moves) = (location.location_flags, velocity.velocity_flags);
+            self.trace(format!(
+                "one of many: {} {flags:?} {moves:?}{}",
+                name(result),
+                numbers(&location.pose)
+            ));
+        }
+        Ok(())
+    }
+
     /// Notes where a space is in another, and whether the time of its sample is known and not later than asked for.
     pub fn location(&self, what: &str, space: xr::Space, base: xr::Space, frame: &Frame) {
         let mut sample = xr::EyeGazeSampleTimeEXT::out(null_mut());
@@ -243,6 +314,18 @@ impl<'a> Controls<'a> {
         };
         let poses: String = views.iter().map(|view| numbers(&view.pose)).collect();
         self.trace(format!("views: {} {:?}{poses}", name(result), state.view_state_flags));
+    }
+
+    /// Whether a pose is active.
+    pub fn is_active(&self, session: &Session, action: xr::Action) -> bool {
+        let info = get_info(action, xr::Path::NULL);
+        let mut state = xr::ActionStatePose::out(null_mut());
+        let get = self.app.xr.functions.get_pose;
+        // SAFETY: the session and the action are live; the structures outlive the call, which fills the state where it succeeds.
+        unsafe {
+            get(session.handle, &info, state.as_mut_ptr()).into_raw() >= 0
+                && state.assume_init().is_active.into()
+        }
     }
 
     /// Notes whether a pose is active, and where it is in LOCAL.

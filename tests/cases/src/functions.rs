@@ -56,6 +56,7 @@ functions! {
     create_action_space: CreateActionSpace,
     destroy_space: DestroySpace,
     enumerate_bound_sources: EnumerateBoundSourcesForAction,
+    get_localized_name: GetInputSourceLocalizedName,
     locate_space: LocateSpace,
     locate_views: LocateViews,
     wait_frame: WaitFrame,

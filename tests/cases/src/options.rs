@@ -37,6 +37,9 @@ pub struct Options {
     /// The Vulkan version that the application asks for
     #[arg(long, value_enum, default_value = "1.1")]
     pub vulkan: VulkanVersion,
+    /// The OpenXR version that the application asks for; 1.1 needs a loader of that version
+    #[arg(long, value_enum, default_value = "1.0")]
+    pub openxr: OpenXrVersion,
     /// Create VkInstance and VkDevice before the XrInstance (needs --enable 1)
     #[arg(long)]
     pub vulkan_first: bool,
@@ -57,6 +60,17 @@ pub enum Enable {
     /// XR_KHR_vulkan_enable2
     #[value(name = "2")]
     Two,
+}
+
+/// The version in XrApplicationInfo.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum OpenXrVersion {
+    /// OpenXR 1.0
+    #[value(name = "1.0")]
+    V1_0,
+    /// OpenXR 1.1
+    #[value(name = "1.1")]
+    V1_1,
 }
 
 /// The version in VkApplicationInfo.

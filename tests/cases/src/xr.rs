@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, succeeded};
 use crate::functions::{Functions, characters, look_up};
-use crate::options::{Enable, Options};
+use crate::options::{Enable, OpenXrVersion, Options};
 use libloading::Library;
 use openxr_sys as xr;
 use openxr_sys::Handle;
@@ -43,7 +43,10 @@ impl Xr {
                 application_version: 1,
                 engine_name: characters(c"none"),
                 engine_version: 1,
-                api_version: xr::Version::new(1, 0, 0),
+                api_version: match options.openxr {
+                    OpenXrVersion::V1_0 => xr::Version::new(1, 0, 0),
+                    OpenXrVersion::V1_1 => xr::Version::new(1, 1, 0),
+                },
             },
             enabled_api_layer_count: 0,
             enabled_api_layer_names: null(),

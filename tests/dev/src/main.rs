@@ -75,7 +75,8 @@ Usage: cargo dev TASK, in any folder of the repository
   bench --compare REV [ARGUMENTS]
                         run the benchmark `frame` on the working tree and on commit REV, in turns: ratios with their spread
   monado [PART]         run hello_xr, our test scene and every rendering style on Monado, with and without the layer, on a Debian trixie
-                        system in target/monado/; needs root and debootstrap
+                        system in target/monado/, and hello_xr with OSC packets of an eye tracker (PART gaze: alone); needs root and
+                        debootstrap
   dist                  write a release build to target/dist/, as an archive with an installer and as a Debian package
   report [--quick | --all] [--json]
                         measure speed against error, compared with the alternatives of users: a web page, tables and plots in

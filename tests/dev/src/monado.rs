@@ -40,10 +40,11 @@ exec 7<> /run/monado/input
 monado-service < /run/monado/input > /tmp/monado.log 2>&1 &
 service=$!
 for turn in $(seq 150); do test -S /run/monado/monado_comp_ipc && break; sleep 0.1; done
-# hello_xr ends at a line of input, also where it has failed: three seconds after its session shows, however long that takes.
+# hello_xr ends at a line of input, also where it has failed: three seconds after its session shows (PLAYED: in tenths of a second), however
+# long that takes.
 rm -f /run/monado/ended /tmp/output.log
 until_ended() { for turn in $(seq "$1"); do test -e /run/monado/ended && break; grep -qs "$2" /tmp/output.log && break; sleep 0.1; done; }
-(until_ended 600 'STATE_FOCUSED\|failure \['; until_ended 30 "no such line"; echo) |
+(until_ended 600 'STATE_FOCUSED\|failure \['; until_ended "${PLAYED:-30}" "no such line"; echo) |
     { timeout 120 stdbuf -oL "$@" > /tmp/output.log 2>&1; code=$?; touch /run/monado/ended; exit $code; }
 code=$?
 kill $service
@@ -61,8 +62,8 @@ mount --bind /dev "$root/dev"
 exec chroot "$root" /opt/parafovea/test "$@"
 "#;
 
-/// Runs the tests of the passes on the GPU there, then hello_xr, our scene and the zoo, off and on; or those of the applications that have
-/// the argument in their names.
+/// Runs the tests of the passes on the GPU there, then hello_xr with OSC packets, then hello_xr, our scene and the zoo, off and on; or those of
+/// the applications that have the argument in their names. `gaze`: hello_xr with OSC packets alone.
 pub fn monado(arguments: &[String]) -> Result<(), String> {
     let wanted = match arguments {
         [] => "",
@@ -75,6 +76,16 @@ pub fn monado(arguments: &[String]) -> Result<(), String> {
     let Some(root) = prepared(&mut steps)? else { return Ok(()) };
     if wanted.is_empty() {
         passes(&mut steps, &root)?;
+    }
+    if ["", "gaze"].contains(&wanted) {
+        let followed = steps.run("gaze", Command::new(profile_folder()?.join("parafovea-monado")).arg(&root));
+        // The other applications have the configuration of this task.
+        write_config(&root)?;
+        followed?;
+    }
+    if wanted == "gaze" {
+        steps.summary();
+        return Ok(());
     }
     let cases: Vec<Vec<String>> =
         cases()?.into_iter().filter(|case| case.join(" ").contains(wanted)).collect();
@@ -161,17 +172,21 @@ fn prepared(steps: &mut Steps) -> Result<Option<PathBuf>, String> {
         let to = own.join(program);
         fs::copy(folder.join(program), &to).map_err(failed(&to))?;
     }
-    for (path, text) in
-        [(own.join("run.sh"), RUN), (own.join("enter.sh"), ENTER), (config.join("config.toml"), CONFIG)]
-    {
+    for (path, text) in [(own.join("run.sh"), RUN), (own.join("enter.sh"), ENTER)] {
         fs::write(&path, text).map_err(failed(&path))?;
     }
+    write_config(&root)?;
     let mut install = inside(&root);
     steps.run(
         "parafovea install",
         install.args(["env", "HOME=/root", "/opt/parafovea/parafovea", "install"]),
     )?;
     Ok(Some(root))
+}
+
+fn write_config(root: &Path) -> Result<(), String> {
+    let path = root.join("root/.config/parafovea/config.toml");
+    fs::write(&path, CONFIG).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// A command in that system, with the kernel's folders for as long as it runs.

@@ -5,7 +5,7 @@ use crate::{Entry, Parts, VERSION};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use parafovea_manifest::install::LIBRARY_NAME;
-use parafovea_manifest::json::{Activation, Half};
+use parafovea_manifest::json::Half;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -61,7 +61,8 @@ fn files(parts: &Parts) -> io::Result<Vec<Entry>> {
         // From the manifest's folder up to /usr: as many folders as there are below that.
         let up = "../".repeat(path.components().count() - 3);
         let library = format!("{up}lib/parafovea/{LIBRARY_NAME}");
-        let manifest = half.manifest(&library, Activation::Implicit);
+        // A package does not know who gives the gaze to games (`gaze.offer`); without that, their system has no eye gaze.
+        let manifest = half.manifest_with_eye_gaze(&library);
         files.push(Entry::new(path.to_string_lossy(), 0o644, manifest));
     }
     for (name, text) in parts.texts.iter().filter(|(name, _)| !name.starts_with("LICENSE")) {

@@ -1,7 +1,7 @@
 //! The gaze is private: unless a recording is asked for by name, nothing that is written, to a file or elsewhere, has it.
 
 use super::{following, scenario};
-use crate::osc::{Sender, message};
+use parafovea_tests::osc::{Sender, message};
 use parafovea_tests::run::{Application, Run};
 use parafovea_trial::{Lack, skip};
 use std::net::UdpSocket;
@@ -131,7 +131,8 @@ fn no_write_has_the_gaze_in_it_and_nothing_is_sent() {
 
     // A gaze from packets is received, and never sent on or written: one socket, and no connection.
     let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-    let sender = Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-UP, -LEFT])]);
+    let sender =
+        Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-UP, -LEFT])]).unwrap();
     let lines = format!("osc_listen = \"{address}\"");
     let config = following(&lines).replace("\"eyes\"", "\"osc\"");
     let received = trace(Some(&format!("{config}[log]\nlevel = \"debug\"\n")), folder.path());

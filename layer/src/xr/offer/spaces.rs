@@ -27,9 +27,14 @@ static SPACES: Registry<xr::Space, ActionSpace> = Registry::new();
 /// How many there are: without any, a locate costs no more than this.
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 
+/// Whether there is any.
+pub fn has_spaces() -> bool {
+    COUNT.load(Ordering::Relaxed) > 0
+}
+
 /// A space is destroyed.
 pub fn forget_space(space: xr::Space) {
-    if COUNT.load(Ordering::Relaxed) > 0 && SPACES.remove(space).is_some() {
+    if has_spaces() && SPACES.remove(space).is_some() {
         COUNT.fetch_sub(1, Ordering::Relaxed);
     }
 }
@@ -90,8 +95,8 @@ pub struct GazeSpace {
 
 impl GazeSpace {
     /// The space of that handle; `None` for a space that the runtime moves.
-    fn find(handle: xr::Space) -> Option<Self> {
-        if COUNT.load(Ordering::Relaxed) == 0 {
+    pub fn find(handle: xr::Space) -> Option<Self> {
+        if !has_spaces() {
             return None;
         }
         let space = SPACES.get(handle)?;
@@ -102,20 +107,31 @@ impl GazeSpace {
         follows.then_some(Self { session: Arc::clone(&session), space, head })
     }
 
-    /// Its pose in the space of the head for `time`, and when the eyes looked there; `None` while they are not seen, or the action is not
-    /// active.
-    fn pose(&self, time: xr::Time) -> Option<(Pose, i64)> {
-        let (_, offered) = self.session.offered()?;
-        if !offered.is_active(self.space.action) {
-            return None;
+    /// Its pose in the space of the head for `time`.
+    fn placement(&self, time: xr::Time) -> Placement {
+        if !self.session.offered().is_some_and(|(_, offered)| offered.is_active(self.space.action)) {
+            return Placement::Nowhere;
         }
         let config = self.session.instance.config.snapshot();
         match self.session.gaze.application_look(&config, time.as_nanos()) {
             Look::At { direction, sampled_ns } => {
-                Some((Pose::of_gaze(direction).then(self.space.offset), sampled_ns))
+                Placement::Gaze { pose: Pose::of_gaze(direction).then(self.space.offset), sampled_ns }
             }
-            Look::Unseen | Look::NoTracker => None,
+            Look::Unseen | Look::NoTracker => Placement::Nowhere,
         }
+    }
+
+    /// The same for a composition layer; `None` where it has none: then the runtime does not show the layer.
+    pub fn pose_in_head(&self, time: xr::Time) -> Option<Pose> {
+        match self.placement(time) {
+            Placement::Gaze { pose, .. } => Some(pose),
+            Placement::Same | Placement::Nowhere => None,
+        }
+    }
+
+    /// The space of the head, in which the runtime locates.
+    pub fn head(&self) -> xr::Space {
+        self.head
     }
 }
 
@@ -125,40 +141,54 @@ struct Side {
     gaze: Option<GazeSpace>,
 }
 
+/// Pose of a side in the space that the runtime was asked about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Placement {
+    /// The same space.
+    Same,
+    /// That of the gaze, in the space of the head.
+    Gaze {
+        pose: Pose,
+        /// When the eyes looked there.
+        sampled_ns: i64,
+    },
+    /// None: the eyes are not seen, or the action is not active.
+    Nowhere,
+}
+
 impl Side {
     fn new(handle: xr::Space) -> Self {
         let gaze = GazeSpace::find(handle);
         Self { handle: gaze.as_ref().map_or(handle, |gaze| gaze.head), gaze }
     }
 
-    /// The pose of the space in the one that the runtime was asked about, with the time of its sample; `None` where the gaze is not there.
-    fn pose(&self, time: xr::Time) -> Option<(Option<Pose>, i64)> {
-        match &self.gaze {
-            None => Some((None, 0)),
-            Some(gaze) => gaze.pose(time).map(|(pose, sampled_ns)| (Some(pose), sampled_ns)),
-        }
+    fn placement(&self, time: xr::Time) -> Placement {
+        self.gaze.as_ref().map_or(Placement::Same, |gaze| gaze.placement(time))
     }
 }
 
-/// What the runtime located, turned by the gaze of either side; also the time of the sample where the space is the gaze.
+/// The location of a space in a base, by that of the spaces which the runtime was asked about; [`NOWHERE`] where either has no pose. Its time is
+/// that of the sample where the space is the gaze, else 0.
 fn turned(
     (located_flags, located): (xr::SpaceLocationFlags, &xr::Posef),
-    space: Option<(Option<Pose>, i64)>,
-    base: Option<(Option<Pose>, i64)>,
-) -> Option<(xr::SpaceLocationFlags, xr::Posef, i64)> {
-    let ((space, sampled_ns), (base, _)) = (space?, base?);
+    space: Placement,
+    base: Placement,
+) -> (xr::SpaceLocationFlags, xr::Posef, i64) {
     let flags = flags(located_flags);
-    if flags == xr::SpaceLocationFlags::EMPTY {
-        return None;
-    }
-    let mut pose = Pose::read(located)?;
-    if let Some(space) = space {
-        pose = pose.then(space);
-    }
-    if let Some(base) = base {
-        pose = base.inverse().then(pose);
-    }
-    Some((flags, pose.written(), sampled_ns))
+    let Some(located) = Pose::read(located).filter(|_| flags != xr::SpaceLocationFlags::EMPTY) else {
+        return NOWHERE;
+    };
+    let (of_space, sampled_ns) = match space {
+        Placement::Same => (located, 0),
+        Placement::Gaze { pose, sampled_ns } => (located.then(pose), sampled_ns),
+        Placement::Nowhere => return NOWHERE,
+    };
+    let pose = match base {
+        Placement::Same => of_space,
+        Placement::Gaze { pose, .. } => pose.inverse().then(of_space),
+        Placement::Nowhere => return NOWHERE,
+    };
+    (flags, pose.written(), sampled_ns)
 }
 
 /// `xrLocateSpace`.
@@ -172,7 +202,7 @@ pub unsafe extern "system" fn locate(
     let Some(offer) = &instance.offer else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments, or live spaces of the same session.
     let below = |space, base| unsafe { (offer.next.locate_space)(space, base, time, location) };
-    if COUNT.load(Ordering::Relaxed) == 0 {
+    if !has_spaces() {
         return below(space, base);
     }
     guard(
@@ -191,8 +221,8 @@ pub unsafe extern "system" fn locate(
             }
             // SAFETY: the call succeeded, so the structure is valid.
             let location = unsafe { &mut *location };
-            let found = turned((location.location_flags, &location.pose), from.pose(time), to.pose(time));
-            let (flags, pose, sampled_ns) = found.unwrap_or(NOWHERE);
+            let located = (location.location_flags, &location.pose);
+            let (flags, pose, sampled_ns) = turned(located, from.placement(time), to.placement(time));
             (location.location_flags, location.pose) = (flags, pose);
             if let Some(sample) = &mut sample {
                 sample.get().time = xr::Time::from_nanos(sampled_ns);
@@ -252,13 +282,13 @@ pub unsafe extern "system" fn locate_many(
             let located = unsafe { std::slice::from_raw_parts_mut((*locations).locations, from.len()) };
             // SAFETY: as above, and its chain is valid.
             let mut velocities = unsafe { pnext::unlink::<xr::SpaceVelocities>(&raw mut (*locations).next) };
-            let base = to.pose(asked.time);
+            let base = to.placement(asked.time);
             for (index, (side, data)) in from.iter().zip(located).enumerate() {
                 if side.gaze.is_none() && to.gaze.is_none() {
                     continue;
                 }
-                let found = turned((data.location_flags, &data.pose), side.pose(asked.time), base);
-                let (flags, pose, _) = found.unwrap_or(NOWHERE);
+                let located = (data.location_flags, &data.pose);
+                let (flags, pose, _) = turned(located, side.placement(asked.time), base);
                 (data.location_flags, data.pose) = (flags, pose);
                 if let Some(velocities) = &mut velocities {
                     let velocities = velocities.get();
@@ -276,28 +306,14 @@ pub unsafe extern "system" fn locate_many(
     )
 }
 
-/// The base space of an `xrLocateViews` that the gaze moves.
-pub struct ViewsBase(GazeSpace);
-
-/// The base space of views, if the gaze moves it.
-pub fn views_base(space: xr::Space) -> Option<ViewsBase> {
-    GazeSpace::find(space).map(ViewsBase)
-}
-
-impl ViewsBase {
-    /// The space of the head, in which the runtime locates the views.
-    pub fn head(&self) -> xr::Space {
-        self.0.head
-    }
-
-    /// Turns views from the space of the head to that of the gaze.
-    pub fn turn(&self, time: xr::Time, state: &mut xr::ViewState, views: &mut [xr::View]) {
-        let flags = xr::SpaceLocationFlags::from_raw(state.view_state_flags.into_raw());
-        let base = self.0.pose(time).map(|(pose, sampled_ns)| (Some(pose), sampled_ns));
+impl GazeSpace {
+    /// Turns the views of an `xrLocateViews` from the space of the head to this one.
+    pub fn turn_views(&self, time: xr::Time, state: &mut xr::ViewState, views: &mut [xr::View]) {
+        // The bits of views mean what those of spaces mean.
+        let located = xr::SpaceLocationFlags::from_raw(state.view_state_flags.into_raw());
+        let base = self.placement(time);
         for view in views {
-            let found = turned((flags, &view.pose), Some((None, 0)), base);
-            let (flags, pose, _) = found.unwrap_or(NOWHERE);
-            // The bits of views mean what those of spaces mean.
+            let (flags, pose, _) = turned((located, &view.pose), Placement::Same, base);
             state.view_state_flags = xr::ViewStateFlags::from_raw(flags.into_raw());
             view.pose = pose;
         }

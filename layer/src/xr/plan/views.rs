@@ -7,7 +7,7 @@ use crate::config::{Config, ConfigSnapshot, GazeSource, wants_reuse};
 use crate::inputs::gaze::rotation;
 use crate::planner::{ShownView, View, head_of};
 use crate::xr::instance::next_of_any;
-use crate::xr::offer;
+use crate::xr::offer::GazeSpace;
 use crate::xr::session::{self, Active, Health, Session, Tools};
 use crate::xr::submission::{self, Projection, ProjectionView};
 use glam::{Quat, Vec3};
@@ -29,17 +29,18 @@ pub unsafe extern "system" fn locate_views(
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
-    // SAFETY: valid usage: `info` is valid.
-    let asked = unsafe { info.as_ref() };
-    // An application that locates its views in the space of the gaze.
-    let base = asked.and_then(|asked| offer::views_base(asked.space));
-    let in_head =
-        asked.zip(base.as_ref()).map(|(asked, base)| xr::ViewLocateInfo { space: base.head(), ..*asked });
-    let info = in_head.as_ref().map_or(info, ptr::from_ref);
     // SAFETY: the next layer's function with the application's own arguments, or our copy of one.
-    let below = || unsafe { (next.locate_views)(handle, info, state, capacity, count, views) };
-    guard("xrLocateViews", below, |answer| {
-        let result = answer.record(below());
+    let below = |info| unsafe { (next.locate_views)(handle, info, state, capacity, count, views) };
+    let pass_through = || below(info);
+    guard("xrLocateViews", pass_through, |answer| {
+        // SAFETY: valid usage: `info` is valid.
+        let asked = unsafe { info.as_ref() };
+        // An application that locates its views in the space of the gaze.
+        let base = asked.and_then(|asked| GazeSpace::find(asked.space));
+        let in_head =
+            asked.zip(base.as_ref()).map(|(asked, base)| xr::ViewLocateInfo { space: base.head(), ..*asked });
+        let info = in_head.as_ref().map_or(info, ptr::from_ref);
+        let result = answer.record(below(info));
         let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
         if let (true, Some((known, active))) = (result.into_raw() >= 0, active) {
             // SAFETY: the call succeeded: its arguments are valid, and as many views were written as it says.
@@ -64,7 +65,7 @@ pub unsafe extern "system" fn locate_views(
                     && *count <= capacity
                 {
                     let views = std::slice::from_raw_parts_mut(views, *count as usize);
-                    base.turn(info.display_time, state, views);
+                    base.turn_views(info.display_time, state, views);
                 }
             }
         }

@@ -5,6 +5,9 @@ use super::*;
 /// A fault: its name, its injection, its findings, and whether `--fix` removes it.
 type Fault = (&'static str, fn(&mut Machine), &'static [&'static str], bool);
 
+/// The user's configuration.
+const CONFIG: &str = "home/.config/parafovea/config.toml";
+
 const FAULTS: &[Fault] = &[
     ("never installed", |machine| fs::remove_dir_all(machine.data()).unwrap(), &["not-installed"], true),
     (
@@ -200,6 +203,24 @@ const FAULTS: &[Fault] = &[
         },
         &["osc-port-taken"],
         false,
+    ),
+    (
+        "a gaze of no source to give to games",
+        |machine| {
+            machine.put(CONFIG, "gaze.source = 'eyes'\ngaze.offer = true\n");
+            reinstall(machine);
+        },
+        &["gaze-not-offered"],
+        false,
+    ),
+    (
+        "a gaze for games that loaders do not know of",
+        |machine| {
+            machine.put(CONFIG, "gaze.source = 'osc'\ngaze.offer = true\n");
+            answer(machine).extensions.truncate(1);
+        },
+        &["outdated", "gaze-not-listed"],
+        true,
     ),
     ("no gaze extension", |machine| answer(machine).extensions.truncate(1), &["no-eye-gaze"], false),
     (
@@ -409,4 +430,27 @@ fn created(machine: &mut Machine) -> &mut CreatedDevice {
 
 fn device(machine: &mut Machine) -> &mut Device {
     &mut machine.probed.vulkan.as_mut().unwrap().devices[0]
+}
+
+/// Installs the layer for the configuration.
+fn reinstall(machine: &Machine) {
+    let library = machine.path("build/libparafovea.so");
+    let offers_gaze = crate::config::offers_gaze(&machine.surroundings().environment);
+    for step in plan_install(&machine.data(), &library, offers_gaze).unwrap() {
+        step.apply().unwrap();
+    }
+}
+
+#[test]
+fn a_gaze_that_is_given_to_games_is_told_with_its_source() {
+    let mut machine = Machine::new();
+    machine.put(CONFIG, "gaze.offer = true\n");
+    reinstall(&machine);
+    let told = |machine: &Machine| -> Vec<&str> {
+        let findings = examine(&machine.surroundings());
+        findings.iter().map(|finding| finding.id).filter(|id| id.starts_with("gaze-")).collect()
+    };
+    assert_eq!(told(&machine), ["gaze-of-runtime"]);
+    answer(&mut machine).tracks_eyes = Some(false);
+    assert_eq!(told(&machine), ["gaze-offered"]);
 }

@@ -29,6 +29,10 @@ pub enum Layer {
     WithDepth([SubImage; 2], [SubImage; 2]),
     /// A quad ahead of the viewer, half a metre high.
     Quad(SubImage),
+    /// The same, ahead of the origin of a space.
+    QuadIn(xr::Space, SubImage),
+    /// Both views, each in its pose in a space.
+    ProjectionIn(xr::Space, [SubImage; 2]),
 }
 
 impl Session<'_> {
@@ -111,8 +115,11 @@ impl Structure {
 impl Layer {
     fn images(&self) -> &[SubImage] {
         match self {
-            Self::Projection(views) | Self::Blended(views) | Self::WithDepth(views, _) => views,
-            Self::Quad(image) => std::slice::from_ref(image),
+            Self::Projection(views)
+            | Self::ProjectionIn(_, views)
+            | Self::Blended(views)
+            | Self::WithDepth(views, _) => views,
+            Self::Quad(image) | Self::QuadIn(_, image) => std::slice::from_ref(image),
         }
     }
 
@@ -139,7 +146,7 @@ impl Layer {
         frame: &Frame,
         depths: &[xr::CompositionLayerDepthInfoKHR],
     ) -> Vec<xr::CompositionLayerProjectionView> {
-        if matches!(self, Self::Quad(_)) {
+        if matches!(self, Self::Quad(_) | Self::QuadIn(..)) {
             return Vec::new();
         }
         self.images()
@@ -159,10 +166,18 @@ impl Layer {
     fn structure(&self, space: xr::Space, views: &[xr::CompositionLayerProjectionView]) -> Structure {
         let layer_flags = match self {
             Self::Blended(_) => xr::CompositionLayerFlags::BLEND_TEXTURE_SOURCE_ALPHA,
-            Self::Projection(_) | Self::WithDepth(..) | Self::Quad(_) => xr::CompositionLayerFlags::EMPTY,
+            Self::Projection(_)
+            | Self::ProjectionIn(..)
+            | Self::WithDepth(..)
+            | Self::Quad(_)
+            | Self::QuadIn(..) => xr::CompositionLayerFlags::EMPTY,
+        };
+        let space = match self {
+            Self::QuadIn(space, _) | Self::ProjectionIn(space, _) => *space,
+            _ => space,
         };
         match self {
-            Self::Projection(_) | Self::Blended(_) | Self::WithDepth(..) => {
+            Self::Projection(_) | Self::ProjectionIn(..) | Self::Blended(_) | Self::WithDepth(..) => {
                 Structure::Projection(xr::CompositionLayerProjection {
                     ty: xr::CompositionLayerProjection::TYPE,
                     next: null(),
@@ -172,7 +187,7 @@ impl Layer {
                     views: views.as_ptr(),
                 })
             }
-            Self::Quad(image) => Structure::Quad(quad(image, space)),
+            Self::Quad(image) | Self::QuadIn(_, image) => Structure::Quad(quad(image, space)),
         }
     }
 }

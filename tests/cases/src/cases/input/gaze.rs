@@ -2,12 +2,17 @@
 
 use super::{Outcome, PLAYED, show};
 use crate::app::App;
-use crate::controls::{Controls, GAZE, GAZE_POSE, LEFT_SELECT, SIMPLE};
+use crate::cases::stereo::Stereo;
+use crate::controls::{Controls, GAZE, GAZE_POSE, LEFT_SELECT, SIMPLE, sync};
 use crate::failure::{Failure, succeeded};
-use crate::session::{IDENTITY, Session};
+use crate::session::{IDENTITY, Layer, Session};
+use crate::swapchain::{Shape, Swapchain};
 use openxr_sys as xr;
 use openxr_sys::Handle;
+use parafovea_cases::pattern::Figure;
 use std::ptr::{null, null_mut};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 /// In a set of the lowest priority.
 pub fn looks_at_the_gaze_itself(app: &App) -> Outcome {
@@ -68,6 +73,7 @@ pub fn finds_the_gaze_in_every_space(app: &App) -> Outcome {
         controls.sync(&session, &[set]);
         controls.pose(&session, gaze, space, frame);
         controls.sources(&session, gaze)?;
+        controls.name_of_gaze(&session)?;
         for (name, space, base) in [
             ("gaze in VIEW", space, head),
             ("gaze in LOCAL", space, session.space),
@@ -84,6 +90,98 @@ pub fn finds_the_gaze_in_every_space(app: &App) -> Outcome {
     let result = unsafe { (app.xr.functions.destroy_space)(space) };
     controls.trace(format!("destroy the space: {result:?}"));
     session.finish()
+}
+
+/// The gaze and other spaces at once, in the spaces of the head, of the world and of the gaze: OpenXR 1.1.
+pub fn finds_the_gaze_among_many_spaces(app: &App) -> Outcome {
+    let looking = Looking::start(app)?;
+    let Looking { controls, session, space, .. } = &looking;
+    let head = reference(session, xr::ReferenceSpaceType::VIEW)?;
+    show(session, PLAYED, |frame| {
+        looking.sync();
+        for base in [head, session.space, *space] {
+            controls.locations(session, &[*space, head, session.space], base, frame)?;
+        }
+        Ok(())
+    })?;
+    looking.session.finish()
+}
+
+/// By turns a quad and the picture of the eyes where the eyes look.
+pub fn shows_layers_in_the_gaze(app: &App) -> Outcome {
+    let looking = Looking::start(app)?;
+    let Looking { session, space, .. } = &looking;
+    let (stereo, panel) = (Stereo::create(session)?, Swapchain::create(session, &Shape::srgb([64, 48]))?);
+    session.frames(PLAYED, |frame| {
+        looking.sync();
+        if frame.index == 0 {
+            stereo.paint(0)?;
+            panel.paint(&[Figure::new(0, 2, panel.whole())])?;
+        }
+        let image = panel.sub_image(panel.whole());
+        match frame.index % 2 {
+            0 => session.submit(frame, &[Layer::Projection(stereo.images()), Layer::QuadIn(*space, image)]),
+            _ => session.submit(frame, &[Layer::ProjectionIn(*space, stereo.images()), Layer::Quad(image)]),
+        }
+    })?;
+    drop((stereo, panel));
+    looking.session.finish()
+}
+
+/// Waits until the gaze is there, and then until it is gone; tells where it was in the space of the head.
+pub fn sees_the_gaze_come_and_go(app: &App) -> Outcome {
+    let looking = Looking::start(app)?;
+    let Looking { controls, session, gaze, space, .. } = &looking;
+    let head = reference(session, xr::ReferenceSpaceType::VIEW)?;
+    let stereo = Stereo::create(session)?;
+    stereo.paint(0)?;
+    let begun = Instant::now();
+    let (mut was_there, mut changes) = (false, 0);
+    while changes < 2 && begun.elapsed() < LONGEST_WAIT {
+        session.frames(1, |frame| {
+            looking.sync();
+            let is_there = controls.is_active(session, *gaze);
+            if is_there != was_there {
+                controls.location(if is_there { "come" } else { "gone" }, *space, head, frame);
+                (was_there, changes) = (is_there, changes + 1);
+            }
+            session.submit(frame, &[Layer::Projection(stereo.images())])
+        })?;
+        sleep(Duration::from_millis(2));
+    }
+    drop(stereo);
+    looking.session.finish()
+}
+
+/// For a user on a machine that does much else.
+const LONGEST_WAIT: Duration = Duration::from_secs(100);
+
+/// An application with one action, which has the gaze.
+struct Looking<'a> {
+    controls: Controls<'a>,
+    session: Session<'a>,
+    set: xr::ActionSet,
+    gaze: xr::Action,
+    space: xr::Space,
+}
+
+impl<'a> Looking<'a> {
+    fn start(app: &'a App) -> Result<Self, Failure> {
+        let controls = Controls::new(app);
+        let set = controls.set(0)?;
+        let gaze = controls.action(set, xr::ActionType::POSE_INPUT, &[])?;
+        controls.suggest(GAZE, &[(gaze, GAZE_POSE)])?;
+        let session = Session::start(app)?;
+        controls.attach(&session, &[set]);
+        let space = controls.space(&session, gaze)?;
+        let space = space.ok_or_else(|| Failure::Unsupported("the gaze has no space".to_owned()))?;
+        Ok(Self { controls, session, set, gaze, space })
+    }
+
+    fn sync(&self) {
+        let active = xr::ActiveActionSet { action_set: self.set, subaction_path: xr::Path::NULL };
+        sync(self.session.app, self.session.handle, &[active]);
+    }
 }
 
 /// One action that the left hand and the eyes drive, told apart by subaction paths.
