@@ -263,7 +263,10 @@ pub(super) unsafe fn has_alpha_to_coverage(info: &vk::GraphicsPipelineCreateInfo
         let own = own_parts(info);
         own.intersects(Parts::FRAGMENT_SHADER | Parts::FRAGMENT_OUTPUT_INTERFACE)
             && !is_discarded(info, own)
-            && info.p_multisample_state.as_ref().is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE)
+            && info
+                .p_multisample_state
+                .as_ref()
+                .is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE)
     }
 }
 
