@@ -55,7 +55,8 @@ Usage: cargo dev TASK, in any folder of the repository
   gpu [--json]          compare the layer's shading rates with an application's own rates, on a GPU with VK_KHR_fragment_shading_rate: images
                         and GPU time, written to tests/gpu-results/; then run the matrix of `drivers`
   bench NAME [--json]   run a benchmark:
-                        break-even (pixel cost above which the layer saves time), budget (shading and loss of ways to choose rates), ears (cost and latency of sound capture),
+                        break-even (pixel cost above which the layer saves time), budget (shading and loss of ways to choose rates),
+                        detail (error of foliage and of histories, by rule, while the eyes rest and after a step), ears (cost and latency of sound capture),
                         frame (saving of each technique), gate (decisions of the benefit gate on simulated applications), gaze (errors of the predicted gaze), kernels (cost per view of audio-visual rates and of chroma attenuation),
                         models (cost and accuracy of the models), safety (shading and loss of contrast while the eyes move),
                         recognition (precision and recall on frame graphs of engines),

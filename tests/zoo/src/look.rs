@@ -29,14 +29,14 @@ impl Coarsest {
     }
 }
 
-/// Rules for what is coarse, beside the map.
+/// Rules of coarseness, beside the map.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Look {
     /// Draws whose shaders discard.
     pub discarding: Coarsest,
     /// Full-screen passes that blend a history.
     pub history: Coarsest,
-    /// Whether an earlier pass at 1x1 draws the depth of what discards, as pre-passes do.
+    /// Whether an earlier pass at 1x1 draws the depth of discarding draws, as pre-passes do.
     pub prepass: bool,
     /// Whether shaders filter by the width of a pixel, not of a fragment.
     pub pixel_filter: bool,

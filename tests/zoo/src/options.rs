@@ -47,7 +47,7 @@ pub struct Options {
     /// Coarsest fragments of passes that blend a history, with --look
     #[arg(long, value_enum, default_value = "1x1", requires = "look")]
     pub look_history: Coarsest,
-    /// Draw the depth of what discards at 1x1 first, as pre-passes do, and colour only where it is equal, with --look
+    /// Draw the depth of discarding draws at 1x1 first, as pre-passes do, and colour at equal depth alone, with --look
     #[arg(long, requires = "look")]
     pub look_prepass: bool,
     /// Filter by the width of a pixel, as explicit gradients have it, not by that of a fragment, with --look
