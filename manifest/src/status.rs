@@ -100,6 +100,8 @@ pub enum Topic {
     NoMask,
     /// Nothing of the layer's work is visible.
     Unseen,
+    /// Draws in passes of the scene that stay at 1x1.
+    FullRate,
     /// A topic of a later version.
     #[default]
     #[serde(other)]

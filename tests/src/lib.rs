@@ -9,6 +9,7 @@ pub mod artifacts;
 pub mod break_even;
 pub mod compare;
 pub mod demo;
+pub mod detail;
 pub mod device;
 pub mod drivers;
 pub mod engines;

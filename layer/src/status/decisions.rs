@@ -33,6 +33,7 @@ impl Decision {
             Topic::Mask => status::Topic::Mask,
             Topic::NoMask(_) => status::Topic::NoMask,
             Topic::Unseen => status::Topic::Unseen,
+            Topic::FullRate => status::Topic::FullRate,
         };
         status::Decision { topic, reason: self.topic.reason().to_owned(), line: self.line.clone() }
     }
@@ -55,6 +56,8 @@ pub enum Topic {
     NoMask(String),
     /// Nothing of the layer's work is visible.
     Unseen,
+    /// Draws in passes of the scene that stay at 1x1.
+    FullRate,
 }
 
 impl Topic {
@@ -68,6 +71,7 @@ impl Topic {
             Self::Mask => 4,
             Self::NoMask(_) => 5,
             Self::Unseen => 6,
+            Self::FullRate => 7,
         }
     }
 
@@ -75,7 +79,13 @@ impl Topic {
     pub fn reason(&self) -> &str {
         match self {
             Self::NoMask(reason) => reason,
-            Self::Quirk | Self::NoBackend | Self::Scene | Self::OtherPass | Self::Mask | Self::Unseen => "",
+            Self::Quirk
+            | Self::NoBackend
+            | Self::Scene
+            | Self::OtherPass
+            | Self::Mask
+            | Self::Unseen
+            | Self::FullRate => "",
         }
     }
 
@@ -89,6 +99,7 @@ impl Topic {
             4 => Self::Mask,
             5 => Self::NoMask(reason.to_owned()),
             6 => Self::Unseen,
+            7 => Self::FullRate,
             _ => return None,
         })
     }
@@ -201,10 +212,11 @@ mod tests {
             Topic::Mask,
             no_mask,
             Topic::Unseen,
+            Topic::FullRate,
         ];
         for topic in topics {
             assert_eq!(Topic::from_number(topic.number(), topic.reason()), Some(topic));
         }
-        assert_eq!(Topic::from_number(7, ""), None);
+        assert_eq!(Topic::from_number(8, ""), None);
     }
 }

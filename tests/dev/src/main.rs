@@ -60,6 +60,7 @@ Usage: cargo dev TASK, in any folder of the repository
   bench NAME [--json]   run a benchmark:
                         break-even (pixel cost above which the layer saves time),
                         budget (shading and loss of methods that choose rates),
+                        detail (errors of foliage and histories, by rule, at rest and after a gaze step),
                         ears (cost and latency of sound capture),
                         frame (saving of each technique),
                         gate (decisions of the benefit gate on simulated applications),

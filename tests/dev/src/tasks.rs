@@ -11,9 +11,10 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 12] = [
+const BENCHES: [(&str, &str); 13] = [
     ("break-even", "parafovea-tests"),
     ("budget", "parafovea-models"),
+    ("detail", "parafovea-tests"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
     ("gaze", "parafovea-models"),

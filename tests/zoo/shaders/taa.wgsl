@@ -3,6 +3,7 @@
 @group(0) @binding(1) var now: texture_2d<f32>;
 @group(0) @binding(2) var history: texture_2d<f32>;
 @group(0) @binding(3) var luminance: texture_2d<f32>;
+@group(0) @binding(3) var rates: texture_2d<u32>;
 @group(0) @binding(5) var linear: sampler;
 
 struct Screen {
@@ -17,9 +18,7 @@ fn screen_vs(@builtin(vertex_index) vertex: u32) -> Screen {
 }
 
 // The history, kept to the range of the neighbours, and a tenth of the new picture; the first frame has no history.
-@fragment
-fn accumulate_fs(in: Screen) -> @location(0) vec4<f32> {
-    let at = vec2<i32>(in.position.xy);
+fn accumulated(at: vec2<i32>, uv: vec2<f32>, is_first: bool) -> vec4<f32> {
     let last = vec2<i32>(textureDimensions(now)) - 1;
     let color = textureLoad(now, at, 0).rgb;
     var low = color;
@@ -31,8 +30,24 @@ fn accumulate_fs(in: Screen) -> @location(0) vec4<f32> {
             high = max(high, near);
         }
     }
-    let before = clamp(textureSampleLevel(history, linear, in.uv, 0.0).rgb, low, high);
-    return vec4(select(mix(before, color, 0.1), color, draw.value > 0.5), 1.0);
+    let before = clamp(textureSampleLevel(history, linear, uv, 0.0).rgb, low, high);
+    return vec4(select(mix(before, color, 0.1), color, is_first), 1.0);
+}
+
+@fragment
+fn accumulate_fs(in: Screen) -> @location(0) vec4<f32> {
+    return accumulated(vec2<i32>(in.position.xy), in.uv, draw.value > 0.5);
+}
+
+// The same where a fragment is a block of pixels, as in `foliage.wgsl`; `draw.far` says which frame is the first.
+@fragment
+fn accumulate_look_fs(in: Screen) -> @location(0) vec4<f32> {
+    let side = ceil(draw.value / vec2<f32>(textureDimensions(rates)));
+    let texel = textureLoad(rates, vec2<i32>(in.position.xy / exp2(ceil(log2(side)))), 0).x;
+    let most = draw.count & 3u;
+    let size = vec2(f32(1u << min(texel >> 2u, most)), f32(1u << min(texel & 3u, most)));
+    let center = (floor(in.position.xy / size) + 0.5) * size;
+    return accumulated(vec2<i32>(center), center / draw.value, draw.far > 0.5);
 }
 
 @fragment

@@ -1,6 +1,7 @@
 //! Resources of a style, and its input for each frame.
 
 use crate::gpu::{Gpu, Image, Kind, Pass, PassSpec, passes};
+use crate::look::Look;
 use crate::scene::{Draw, Pipelines, Scene, Uniforms};
 use anyhow::Result;
 use ash::vk;
@@ -19,6 +20,8 @@ pub struct App<'g> {
     pub scene: Scene,
     /// Seed of random recordings.
     pub seed: u64,
+    /// Rules of the look of rates, where that is shown.
+    pub look: Option<Look>,
     /// Width and height of an eye buffer.
     pub size: [u32; 2],
     /// Images of each colour swapchain.

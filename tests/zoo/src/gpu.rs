@@ -21,6 +21,7 @@ use device::RATES;
 pub use image::{DEPTH, Image, ImageSpec};
 pub use pass::{Kind, Pass, PassSpec, Target, passes};
 pub use pipeline::{Depth, Making, PipelineSpec, Shader};
+pub use rates::RatesUse;
 pub use rates_file::RatesFile;
 pub use subpasses::{Subpasses, SubpassesSpec};
 
@@ -52,7 +53,7 @@ pub struct Gpu {
     begun: Mutex<Vec<PassSeen>>,
     /// Frames whose passes were taken.
     frames: AtomicU64,
-    /// Where the application sets shading rates itself.
+    /// Where the application has maps of shading rates.
     rates: Option<Rates>,
     has_addresses: bool,
     /// Whether the instance goes with it.
@@ -98,7 +99,8 @@ impl Deref for Gpu {
 }
 
 impl Gpu {
-    /// Makes instance and device through XR_KHR_vulkan_enable2; with `maps` passes that draw colour have these rates.
+    /// Makes instance and device through XR_KHR_vulkan_enable2; with `maps` passes that draw colour have these rates, or
+    /// shaders know them.
     ///
     /// # Errors
     /// Those of the calls, and maps that no device could have.
@@ -106,7 +108,7 @@ impl Gpu {
         xr_instance: &xr::Instance,
         system: xr::SystemId,
         demands: &Demands,
-        maps: Option<RatesFile>,
+        maps: Option<(RatesUse, RatesFile)>,
     ) -> Result<Opened> {
         // SAFETY: the library that is installed as the Vulkan loader is taken to be one.
         let entry = unsafe { ash::Entry::load() }.context("the Vulkan loader cannot be loaded")?;
@@ -181,7 +183,7 @@ impl Gpu {
             owns_instance: true,
             entry,
         };
-        gpu.rates = maps.map(|maps| Rates::new(&gpu, maps)).transpose()?;
+        gpu.rates = maps.map(|(used, maps)| Rates::new(&gpu, used, maps)).transpose()?;
         Ok(Opened::Gpu(Box::new(gpu)))
     }
 

@@ -6,6 +6,7 @@
 
 mod app;
 mod gpu;
+mod look;
 mod options;
 mod random;
 mod scene;

@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::look::{Coarsest, Look};
 use clap::Parser;
 use std::path::PathBuf;
 
@@ -37,6 +38,21 @@ pub struct Options {
     /// lines that the layer writes to PARAFOVEA_PASSES_FILE. Passes without a map are at 1x1
     #[arg(long, value_name = "FILE")]
     pub native_map: Option<PathBuf>,
+    /// Shade as coarsely as this file has it, which is one as for --native-map, in shaders: how it looks on a device with shading rates
+    #[arg(long, value_name = "FILE", conflicts_with = "native_map")]
+    pub look: Option<PathBuf>,
+    /// Coarsest fragments of draws whose shaders discard, with --look
+    #[arg(long, value_enum, default_value = "4x4", requires = "look")]
+    pub look_discarding: Coarsest,
+    /// Coarsest fragments of passes that blend a history, with --look
+    #[arg(long, value_enum, default_value = "1x1", requires = "look")]
+    pub look_history: Coarsest,
+    /// Draw the depth of discarding draws at 1x1 first, as pre-passes do, and colour at equal depth alone, with --look
+    #[arg(long, requires = "look")]
+    pub look_prepass: bool,
+    /// Filter by the width of a pixel, as explicit gradients have it, not by that of a fragment, with --look
+    #[arg(long, requires = "look")]
+    pub look_pixel_filter: bool,
     /// Print the devices, one JSON object a line
     #[arg(long)]
     pub devices: bool,
@@ -46,4 +62,16 @@ pub struct Options {
     /// Print the styles, one a line
     #[arg(long)]
     pub list: bool,
+}
+
+impl Options {
+    /// Rules of the look of rates.
+    pub(crate) fn rules(&self) -> Option<Look> {
+        self.look.is_some().then_some(Look {
+            discarding: self.look_discarding,
+            history: self.look_history,
+            prepass: self.look_prepass,
+            pixel_filter: self.look_pixel_filter,
+        })
+    }
 }

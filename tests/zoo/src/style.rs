@@ -44,8 +44,12 @@ pub struct Style {
     /// Whether it can set shading rates itself (`--native-map`): all its passes that draw colour are made by
     /// [`Gpu::pass`](crate::gpu::Gpu::pass), and recorded in the order of their submits.
     pub can_set_rates: bool,
+    /// Whether its shaders can show how coarse shading looks (`--look`).
+    pub can_show_look: bool,
     /// Reason for which a pixel of the image depends on pixels far from it, such as auto-exposure.
     pub global: Option<&'static str>,
+    /// Whether its pictures are blended with those of earlier frames.
+    pub keeps_history: bool,
     /// How far its pictures may be from those of `render-pass`: the mean difference over all pixels and colour
     /// channels, in code values (0 to 255). None: it shows the scene in another way.
     pub likeness: Option<f64>,
@@ -67,7 +71,9 @@ impl Style {
         threads: Threads::One,
         direct: true,
         can_set_rates: false,
+        can_show_look: false,
         global: None,
+        keeps_history: false,
         likeness: Some(0.0),
         passes: |_, _| Vec::new(),
         start: |_| Ok(Box::new(|_| Ok(()))),

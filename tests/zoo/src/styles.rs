@@ -10,6 +10,7 @@ mod dynamic_rendering;
 mod dynamic_resolution;
 mod flags2;
 mod flipped;
+mod foliage;
 mod frag_depth;
 mod hidden_area;
 mod imageless;
@@ -37,6 +38,7 @@ mod shader_objects;
 mod stereo_viewports;
 mod submitted_depth;
 mod subpasses;
+mod taa;
 mod taa_exposure;
 mod two_devices;
 mod upscaled;
@@ -88,4 +90,6 @@ pub const STYLES: &[&Style] = &[
     &frag_depth::STYLE,
     &msaa_passes::STYLE,
     &msaa_passes::COVERING,
+    &foliage::STYLE,
+    &taa::STYLE,
 ];

@@ -6,7 +6,7 @@ mod slots;
 mod waiter;
 
 use crate::app::{App, Frame};
-use crate::gpu::{Device, Gpu, Opened, RatesFile};
+use crate::gpu::{Device, Gpu, Opened, RatesFile, RatesUse};
 use crate::options::Options;
 use crate::scene::{Projection, Scene, Uniforms};
 use crate::simulation::Simulation;
@@ -18,6 +18,7 @@ use ash::vk;
 use openxr as xr;
 use parafovea_test_layers::ShadingRateDevice;
 use std::cell::{Cell, RefCell};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use input::Input;
@@ -103,8 +104,16 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     }
     let instance = entry.create_instance(&APPLICATION, &enabled, &[], &())?;
     let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).context("no headset")?;
-    let maps = options.native_map.as_deref().map(RatesFile::load).transpose()?;
-    let gpu = match Gpu::open(&instance, system, &style.needs.demands(maps.is_some()), maps)? {
+    if options.look.is_some() && !style.can_show_look {
+        bail!("the shaders of {} do not show the look of rates", style.name);
+    }
+    let load = |path: &Option<PathBuf>| path.as_deref().map(RatesFile::load).transpose();
+    let maps = match load(&options.look)? {
+        Some(maps) => Some((RatesUse::Look, maps)),
+        None => load(&options.native_map)?.map(|maps| (RatesUse::Attachment, maps)),
+    };
+    let sets_rates = options.native_map.is_some();
+    let gpu = match Gpu::open(&instance, system, &style.needs.demands(sets_rates), maps)? {
         Opened::Gpu(gpu) => gpu,
         Opened::Lacking(what) => return Ok(End::Skipped(what)),
     };
@@ -199,6 +208,7 @@ impl<'g> Show<'g> {
             gpu: self.gpu,
             scene: Scene::new(self.gpu)?,
             seed: self.options.seed,
+            look: self.options.rules(),
             size: [self.options.size; 2],
             color: images(&self.color),
             depth: images(&self.depth),

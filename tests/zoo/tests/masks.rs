@@ -9,6 +9,8 @@ mod drawn;
 mod effort;
 #[path = "common/expected.rs"]
 mod expected;
+#[path = "masks/history.rs"]
+mod history;
 #[path = "common/noted.rs"]
 mod noted;
 #[path = "masks/reuse.rs"]
@@ -61,7 +63,8 @@ fn main() -> ExitCode {
         }
         trials
     });
-    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
+    let of_history = trial("taa, history after a gaze step", history::check);
+    libtest_mimic::run(&Arguments::from_args(), trials.chain([of_history]).collect()).exit_code()
 }
 
 fn run(

@@ -63,7 +63,10 @@ fn main() -> ExitCode {
     let matched = ATTACHED_ONCE_MATCHED.into_iter().map(|name| {
         trial(format!("{name}, attached once matched"), move || check_attached_once_matched(name))
     });
-    let all = trials.chain(reused).chain(left_alone).chain(matched);
+    let with_holes = WITH_HOLES
+        .into_iter()
+        .map(|case| trial(format!("{}, draws with holes", case.0), move || check_holes(case)));
+    let all = trials.chain(reused).chain(left_alone).chain(matched).chain(with_holes);
     libtest_mimic::run(&Arguments::from_args(), all.collect()).exit_code()
 }
 
@@ -136,6 +139,27 @@ fn check_left_alone((_, option, has_attachments, says): (&str, &str, bool, &str)
     assert_eq!(findings, []);
     assert_eq!(seen.len() as u64, if has_attachments { 2 * SHARE.frames } else { 0 });
     assert!(!seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse), "{seen:#?}");
+    Ok(())
+}
+
+/// Styles with draws that cut holes, by discard or by alpha to coverage; draws of the scene's pass, and those of them without holes.
+const WITH_HOLES: [(&str, [u32; 2]); 3] =
+    [("foliage", [3, 2]), ("taa", [3, 2]), ("alpha-to-coverage", [2, 1])];
+
+/// Draws with holes stay at 1x1 in coarse passes, the others do not, and the log says so.
+fn check_holes((name, [draws, obeying]): (&str, [u32; 2])) -> Result<(), Failed> {
+    let style = parafovea_zoo::style(name).ok_or("no such style")?;
+    let outcome = run(style, SHARE, ShadingRateProfile::NvkTuring, FIXED_RINGS, SHARE.scenario())?;
+    skip_unless_run(&outcome);
+    let outcome = outcome.expect_frames(SHARE.frames)?;
+    assert!(outcome.log.contains("draws with alpha test (discard) or alpha to coverage: shaded at 1x1"));
+    let (findings, seen) = lines(outcome.shading_rates()?);
+    assert_eq!(findings, []);
+    let coarse: Vec<_> = seen.iter().filter(|pass| pass.map.as_ref().is_some_and(is_coarse)).collect();
+    assert!(coarse.len() as u64 >= 2 * (SHARE.frames - COARSE_FROM), "{} passes are coarse", coarse.len());
+    for pass in coarse {
+        assert_eq!([pass.draws, pass.draws_obeying], [draws, obeying], "{pass:#?}");
+    }
     Ok(())
 }
 

@@ -262,6 +262,7 @@ impl Limits {
             || shader.interlocks
             || shader.per_sample
             || shader.writes_integers
+            || shader.discards
             || (shader.writes_depth_stencil && !self.depth_stencil_writes)
             || (shader.uses_sample_mask && !self.shader_sample_mask)
     }

@@ -244,10 +244,29 @@ unsafe fn is_too_fine(
         let all = if samples >= 32 { u32::MAX } else { (1 << samples) - 1 };
         let locations = find::<vk::PipelineSampleLocationsStateCreateInfoEXT<'_>>(state.p_next);
         state.sample_shading_enable == vk::TRUE
+            || state.alpha_to_coverage_enable == vk::TRUE
             || state.rasterization_samples > limits.samples
             || (!limits.sample_mask && mask.iter().any(|word| word & all != all))
             || (!limits.custom_sample_locations
                 && locations.is_some_and(|locations| locations.sample_locations_enable == vk::TRUE))
+    }
+}
+
+/// Whether a pipeline cuts holes by alpha to coverage. What commands set is not known here.
+///
+/// # Safety
+///
+/// The structure is valid.
+pub(super) unsafe fn has_alpha_to_coverage(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the structure is valid, as `# Safety` demands; multisample state is looked at in parts alone that have it.
+    unsafe {
+        let own = own_parts(info);
+        own.intersects(Parts::FRAGMENT_SHADER | Parts::FRAGMENT_OUTPUT_INTERFACE)
+            && !is_discarded(info, own)
+            && info
+                .p_multisample_state
+                .as_ref()
+                .is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE)
     }
 }
 

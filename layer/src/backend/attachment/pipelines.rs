@@ -1,9 +1,11 @@
 //! The creation of shader modules and graphics pipelines.
 
 use super::attach::Rates;
-use super::pipeline::{PipelineRate, with_rates};
+use super::pipeline::{PipelineRate, has_alpha_to_coverage, with_rates};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
+use crate::status::{Topic, decided};
+use crate::vk::shaders::Effects;
 use ash::vk;
 
 impl Rates {
@@ -40,9 +42,14 @@ impl Rates {
         // SAFETY: valid usage demands so many structures.
         let asked = unsafe { slice(infos, count) };
         let amended = asked.iter().map(|info| {
-            // SAFETY: valid usage demands valid stages.
-            let effects =
-                |stage: &vk::PipelineShaderStageCreateInfo<'_>| unsafe { self.modules.effects(stage) };
+            let effects = |stage: &vk::PipelineShaderStageCreateInfo<'_>| {
+                // SAFETY: valid usage demands valid stages.
+                let effects = unsafe { self.modules.effects(stage) };
+                tell_of_holes(effects.discards && effects != Effects::UNKNOWN);
+                effects
+            };
+            // SAFETY: valid usage demands a valid structure.
+            tell_of_holes(unsafe { has_alpha_to_coverage(info) });
             let linked = |library| self.pipelines.get(library);
             // SAFETY: the structure is valid, and its chain the call's for its duration.
             unsafe { with_rates(info, &self.capabilities, effects, linked, &mut copies) }
@@ -75,6 +82,15 @@ impl Rates {
             }
         }
         result
+    }
+}
+
+/// Lists once that an application has draws with holes, which stay at 1x1.
+pub(super) fn tell_of_holes(has_holes: bool) {
+    if has_holes {
+        let line = "draws with alpha test (discard) or alpha to coverage: shaded at 1x1, as one decision for a coarse fragment \
+                    shows as a block";
+        decided(Topic::FullRate, &line);
     }
 }
 

@@ -6,10 +6,10 @@
 
 use super::attach::Rates;
 use super::commands::SetRate;
-use super::pipelines::may_be_ours;
+use super::pipelines::{may_be_ours, tell_of_holes};
 use crate::abi::copies::slice;
 use crate::gpu::GpuError;
-use crate::vk::shaders::effects_of_object as effects;
+use crate::vk::shaders::{Effects, effects_of_object as effects};
 use ash::vk;
 
 impl Rates {
@@ -56,6 +56,7 @@ impl Rates {
             if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
                 // SAFETY: valid usage demands valid structures.
                 let effects = unsafe { effects(info) };
+                tell_of_holes(effects.discards && effects != Effects::UNKNOWN);
                 self.shader_objects.insert(shader, self.capabilities.limits.need_every_pixel(effects));
             }
         }

@@ -1,7 +1,8 @@
 //! Effects of fragment shaders that shading rates must not change, read from their SPIR-V.
 //!
 //! A shader that stores to memory, counts, or writes identifiers runs once for each pixel in the application's mind;
-//! once for each block it would leave holes.
+//! once for each block it would leave holes. One that discards decides for a whole block at once (Vulkan specification,
+//! VK_KHR_shader_terminate_invocation: the coverage of all samples of the invocation becomes 0).
 
 use super::spirv::{self, Instruction, MODEL_FRAGMENT, built_in, class, decoration, op};
 use smallvec::SmallVec;
@@ -22,6 +23,8 @@ pub struct Effects {
     pub writes_depth_stencil: bool,
     /// It reads or writes the sample mask.
     pub uses_sample_mask: bool,
+    /// It may discard its fragment, as alpha tests do.
+    pub discards: bool,
 }
 
 impl Effects {
@@ -33,15 +36,31 @@ impl Effects {
         writes_integers: true,
         writes_depth_stencil: true,
         uses_sample_mask: true,
+        discards: true,
     };
 }
 
 impl Effects {
     /// A bit for each.
     pub fn to_bits(self) -> u8 {
-        let Self { stores, interlocks, per_sample, writes_integers, writes_depth_stencil, uses_sample_mask } =
-            self;
-        let all = [stores, interlocks, per_sample, writes_integers, writes_depth_stencil, uses_sample_mask];
+        let Self {
+            stores,
+            interlocks,
+            per_sample,
+            writes_integers,
+            writes_depth_stencil,
+            uses_sample_mask,
+            discards,
+        } = self;
+        let all = [
+            stores,
+            interlocks,
+            per_sample,
+            writes_integers,
+            writes_depth_stencil,
+            uses_sample_mask,
+            discards,
+        ];
         all.into_iter().zip(0..).fold(0, |bits, (has, index)| bits | u8::from(has) << index)
     }
 
@@ -55,6 +74,7 @@ impl Effects {
             writes_integers: has(3),
             writes_depth_stencil: has(4),
             uses_sample_mask: has(5),
+            discards: has(6),
         };
         (effects.to_bits() == bits).then_some(effects)
     }
@@ -112,6 +132,7 @@ struct EntryPoint {
 struct Function {
     stores: bool,
     interlocks: bool,
+    discards: bool,
     calls: Vec<u32>,
 }
 
@@ -206,6 +227,8 @@ impl Module {
         if let Some(function) = function.and_then(|function| self.functions.get_mut(&function)) {
             function.stores |= stores;
             function.interlocks |= op == op::BEGIN_INTERLOCK;
+            function.discards |=
+                matches!(op, op::KILL | op::TERMINATE_INVOCATION | op::DEMOTE_TO_HELPER_INVOCATION);
             if op == op::FUNCTION_CALL {
                 function.calls.push(operand(2)?);
             }
@@ -242,6 +265,7 @@ impl Module {
             }),
             writes_depth_stencil: has_mode(MODE_DEPTH_REPLACING) || has_mode(MODE_STENCIL_REF_REPLACING),
             uses_sample_mask: reads(built_in::SAMPLE_MASK),
+            discards: reached.iter().any(|function| function.discards),
         }
     }
 

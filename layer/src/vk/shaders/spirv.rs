@@ -64,12 +64,15 @@ pub mod op {
     pub const LABEL: u32 = 248;
     pub const BRANCH: u32 = 249;
     pub const BRANCH_CONDITIONAL: u32 = 250;
+    pub const KILL: u32 = 252;
     pub const RETURN: u32 = 253;
     pub const ATOMIC_FLAG_TEST_AND_SET: u32 = 318;
     pub const ATOMIC_FLAG_CLEAR: u32 = 319;
     pub const EXECUTION_MODE_ID: u32 = 331;
     pub const DECORATE_ID: u32 = 332;
+    pub const TERMINATE_INVOCATION: u32 = 4416;
     pub const BEGIN_INTERLOCK: u32 = 5364;
+    pub const DEMOTE_TO_HELPER_INVOCATION: u32 = 5380;
     pub const ATOMIC_F_MIN: u32 = 5614;
     pub const ATOMIC_F_MAX: u32 = 5615;
     pub const DECORATE_STRING: u32 = 5632;

@@ -124,6 +124,12 @@ impl Gpu {
         (self.frames.load(Ordering::Relaxed), begun.len() - 1)
     }
 
+    /// The number of the next pass, as [`Self::note_pass`] will have it.
+    pub fn next_pass(&self) -> (u64, usize) {
+        let begun = self.begun.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        (self.frames.load(Ordering::Relaxed), begun.len())
+    }
+
     /// The passes of a frame, which ends: those that were begun since the last call.
     pub fn take_begun(&self) -> Vec<PassSeen> {
         self.frames.fetch_add(1, Ordering::Relaxed);

@@ -64,6 +64,8 @@ pub struct PipelineSpec {
     pub color: bool,
     pub blend: Option<vk::PipelineColorBlendAttachmentState>,
     pub alpha_to_coverage: bool,
+    /// Whether the fragment shader discards.
+    pub discards: bool,
     /// Viewports, of which all are dynamic.
     pub viewports: u32,
     /// Two floats for each vertex, from binding 0.
@@ -85,6 +87,7 @@ impl PipelineSpec {
             color: true,
             blend: None,
             alpha_to_coverage: false,
+            discards: false,
             viewports: 1,
             vertices: false,
             rate: None,

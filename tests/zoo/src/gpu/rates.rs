@@ -14,8 +14,18 @@ const LAYOUT: vk::ImageLayout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMEN
 /// Copies begin at multiples of this many bytes.
 const ALIGNMENT: usize = 4;
 
+/// Users of the maps.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum RatesUse {
+    /// The device, by rate attachments.
+    Attachment,
+    /// Shaders, which show how it looks.
+    Look,
+}
+
 /// All maps, on the device from the start.
 pub struct Rates {
+    used: RatesUse,
     texel: [u32; 2],
     /// Whether a layer of the rate image serves each view.
     is_layered: bool,
@@ -38,7 +48,7 @@ const MOST_TEXELS: usize = 2 * 1024 * 1024;
 impl Rates {
     /// # Errors
     /// Those of the calls.
-    pub fn new(gpu: &Gpu, file: RatesFile) -> Result<Self> {
+    pub fn new(gpu: &Gpu, used: RatesUse, file: RatesFile) -> Result<Self> {
         let mut offsets: HashMap<Vec<u8>, vk::DeviceSize> = HashMap::new();
         let (mut places, mut end) = (HashMap::new(), 0);
         for (number, map) in file.maps {
@@ -52,15 +62,19 @@ impl Rates {
         let buffer = gpu.buffer(end + MOST_TEXELS, vk::BufferUsageFlags::TRANSFER_SRC)?;
         offsets.iter().for_each(|(texels, &offset)| buffer.write(offset as usize, texels));
         buffer.write(end, &vec![0; MOST_TEXELS]);
-        let is_layered = gpu.has_layered_rates();
-        Ok(Self { texel: file.texel, is_layered, buffer, places, zeros: end as vk::DeviceSize })
+        let is_layered = used == RatesUse::Attachment && gpu.has_layered_rates();
+        Ok(Self { used, texel: file.texel, is_layered, buffer, places, zeros: end as vk::DeviceSize })
     }
 }
 
 impl Gpu {
     /// Whether a pass has rates.
     pub(super) fn sets_rates(&self, spec: &PassSpec) -> bool {
-        self.rates.is_some() && !spec.colors.is_empty()
+        self.has_attachments() && !spec.colors.is_empty()
+    }
+
+    fn has_attachments(&self) -> bool {
+        self.rates.as_ref().is_some_and(|rates| rates.used == RatesUse::Attachment)
     }
 
     fn has_layered_rates(&self) -> bool {
@@ -86,6 +100,26 @@ impl Gpu {
 
     /// Makes a rate image the map of a pass, given by number of frame and pass: 1x1 where there is none.
     pub(super) fn lay_rates(&self, commands: vk::CommandBuffer, image: &Image, number: (u64, usize)) {
+        self.lay(commands, image, number, LAYOUT);
+    }
+
+    /// An image for the map of passes of this size, which shaders read.
+    ///
+    /// # Errors
+    /// Those of the calls.
+    pub fn look_image(&self, extent: [u32; 2]) -> Result<Image> {
+        let texel = self.texel();
+        let tiles = [extent[0].div_ceil(texel.width.max(1)), extent[1].div_ceil(texel.height.max(1))];
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        self.image(&ImageSpec::new(FORMAT, tiles).usage(usage))
+    }
+
+    /// Makes an image for shaders the map of the next pass.
+    pub fn lay_look(&self, commands: vk::CommandBuffer, image: &Image) {
+        self.lay(commands, image, self.next_pass(), vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+    }
+
+    fn lay(&self, commands: vk::CommandBuffer, image: &Image, number: (u64, usize), layout: vk::ImageLayout) {
         let Some(rates) = &self.rates else { return };
         let [width, height] = image.extent;
         let fits = |place: &&Place| place.tiles == [width, height, image.layers];
@@ -101,7 +135,7 @@ impl Gpu {
         // SAFETY: the command buffer is being recorded, outside of a render pass; the buffer has a map of this size there,
         // and the image is in that layout.
         unsafe { self.cmd_copy_buffer_to_image(commands, from, image.handle, copied, &[region]) };
-        self.transition(commands, image, copied, LAYOUT);
+        self.transition(commands, image, copied, layout);
     }
 
     /// For vkCmdBeginRendering.
@@ -120,12 +154,12 @@ impl Gpu {
         vk::Extent2D { width, height }
     }
 
-    /// A pipeline for a pass, which obeys rates where the pass has them.
+    /// A pipeline for a pass, which obeys rates where the pass has them, unless it has holes whose edges that would coarsen.
     pub(super) fn with_rates(&self, spec: &PipelineSpec, target: &Target) -> PipelineSpec {
         let mut spec = spec.clone();
-        if self.rates.is_some() && !target.colors.is_empty() {
+        if self.has_attachments() && !target.colors.is_empty() {
             spec.rate = spec.rate.or(Some([1, 1]));
-            spec.obeys_rates = true;
+            spec.obeys_rates = !spec.discards && !spec.alpha_to_coverage;
             if target.render_pass == vk::RenderPass::null() {
                 spec.flags |= vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
             }

@@ -21,6 +21,7 @@ pub const STYLE: Style = Style {
     says: "temporal anti-aliasing and auto-exposure between the scene and the swapchain",
     direct: false,
     global: Some("auto-exposure"),
+    keeps_history: true,
     likeness: None,
     can_set_rates: true,
     passes: |size, _| {
@@ -117,7 +118,7 @@ fn screen_pipeline(
 }
 
 /// A quarter of a pixel in four directions, in clip space.
-fn jitter(frame: u64, size: [u32; 2]) -> [f32; 2] {
+pub fn jitter(frame: u64, size: [u32; 2]) -> [f32; 2] {
     let signs = [[1.0, 1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0]][(frame % 4) as usize];
     std::array::from_fn(|axis| signs[axis] * 0.5 / size[axis] as f32)
 }

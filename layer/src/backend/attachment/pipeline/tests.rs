@@ -86,6 +86,7 @@ fn what_must_shade_every_pixel_keeps_its_rate() {
         Effects { writes_integers: true, ..none },
         Effects { writes_depth_stencil: true, ..none },
         Effects { uses_sample_mask: true, ..none },
+        Effects { discards: true, ..none },
     ] {
         let outcome = outcome(&info, effects);
         assert!(outcome.flagged && outcome.state.is_none(), "{effects:?}");
@@ -122,6 +123,7 @@ fn samples_that_are_shaded_or_too_many_keep_their_rate() {
     let one = plain.rasterization_samples(vk::SampleCountFlags::TYPE_1);
     assert_eq!(state(one), OBEYS);
     assert_eq!(state(one.sample_shading_enable(true)), None);
+    assert_eq!(state(one.alpha_to_coverage_enable(true)), None);
     assert_eq!(
         state(plain.rasterization_samples(vk::SampleCountFlags::TYPE_8)),
         None,

@@ -155,6 +155,31 @@ fn a_function_counts_where_it_is_called() {
     assert!(!effects(&shader(&[], &[], &[], &[write])).stores);
 }
 
+/// OpKill, OpTerminateInvocation, OpDemoteToHelperInvocation.
+#[test]
+fn every_way_to_discard_is_seen_where_it_is_reached() {
+    for op in [252, 4416, 5380] {
+        let kill: (u32, &[u32]) = (op, &[]);
+        let discards = Effects { discards: true, ..Effects::default() };
+        assert_eq!(effects(&shader(&[], &[], &[kill], &[])), discards, "{op}");
+        let call: (u32, &[u32]) = (op::FUNCTION_CALL, &[30, 60, HELPER]);
+        assert_eq!(effects(&shader(&[], &[], &[call], &[kill])), discards, "{op}, called");
+        assert_eq!(effects(&shader(&[], &[], &[], &[kill])), Effects::default(), "{op}, not called");
+    }
+    // OpReturn, OpUnreachable.
+    for op in [253, 255] {
+        assert!(!effects(&shader(&[], &[], &[(op, &[])], &[])).discards, "{op}");
+    }
+}
+
+#[test]
+fn bits_give_the_same_effects() {
+    for bits in 0..=0x7f {
+        assert_eq!(Effects::from_bits(bits).map(Effects::to_bits), Some(bits));
+    }
+    assert_eq!(Effects::from_bits(0x80), None);
+}
+
 #[test]
 fn what_is_not_known_is_taken_for_the_worst() {
     let shaders = FragmentShaders::read(&shader(&[], &[], &[], &[])).unwrap();

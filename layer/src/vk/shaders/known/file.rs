@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Beginning of the first line. The number changes with the format and with the facts read from shaders.
-const HEADER: &str = "parafovea shaders 1 ";
+const HEADER: &str = "parafovea shaders 2 ";
 
 /// A larger file is none of ours.
 const MAX_BYTES: u64 = 8 << 20;
