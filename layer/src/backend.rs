@@ -38,8 +38,9 @@ pub trait RateMap: Any + Send + Sync {
         false
     }
 
-    /// A pass that draws to its target is submitted in a frame of this number, which is the scene for this reason, or is not.
-    fn submitted(&self, _scene: Option<How>, _frame: u64) {}
+    /// A pass that draws to its target, with depth or without, is submitted in a frame of this number; it is the scene for this reason, or is
+    /// not.
+    fn submitted(&self, _scene: Option<How>, _has_depth: bool, _frame: u64) {}
 
     /// Whether its passes leave out stale tiles; else they shade them as coarsely as can be.
     fn leaves_out(&self) -> bool {

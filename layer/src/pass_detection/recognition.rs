@@ -123,7 +123,7 @@ impl Recognition {
         }
     }
 
-    /// The verdict by the images of a pass; so many passes of the frame drew the first of them before.
+    /// The verdict by the images of a pass; so many passes of the frame, with depth as it has or without, drew the first of them before.
     fn by_image(
         &self,
         pass: &Pass,
@@ -132,7 +132,7 @@ impl Recognition {
     ) -> Result<Match, Unmatched> {
         let first = pass.colors.first().ok_or(Unmatched::NoColour)?;
         let described = description(first.image).ok_or(Unmatched::UnknownImage)?;
-        let role = self.memory.role(self.frame, &described, ordinal);
+        let role = self.memory.role(self.frame, &described, pass.depth.is_some(), ordinal);
         let mut parts = Parts::new();
         let mut how = None;
         let mut reason = None;
@@ -221,7 +221,7 @@ impl Recognition {
                 role => role,
             };
             if told.is_found || told.is_direct {
-                self.memory.add_role(self.frame, first.image, role);
+                self.memory.add_role(self.frame, first.image, pass.depth.is_some(), role);
             }
             if role == Role::Eye {
                 for target in &pass.colors {
@@ -274,11 +274,16 @@ impl Recognition {
     }
 }
 
-/// How many passes before `pass` draw its first image.
+/// How many passes before `pass` draw its first image, with depth as it has, or without.
 fn ordinal(pass: &Pass, earlier: &[Event]) -> usize {
-    let first = |pass: &Pass| pass.colors.first().map(|target| target.image);
-    let is_before = |event: &&Event| matches!(event, Event::Pass(other) if first(other) == first(pass));
+    let is_before = |event: &&Event| matches!(event, Event::Pass(other) if is_in_sequence(other, pass));
     earlier.iter().filter(is_before).count()
+}
+
+/// Whether two passes draw the same first image, both with depth or both without, so that their order tells them apart.
+fn is_in_sequence(one: &Pass, other: &Pass) -> bool {
+    let key = |pass: &Pass| (pass.colors.first().map(|target| target.image), pass.depth.is_some());
+    key(one) == key(other)
 }
 
 type Parts = SmallVec<[Part; 4]>;

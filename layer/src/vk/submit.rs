@@ -188,7 +188,8 @@ fn recognise_passes(
             if matched.as_ref().is_some_and(|found| !found.parts.is_empty()) {
                 log.has_eye_pass(&armed.objects, pass);
             }
-            candidate.map.submitted(matched.as_ref().map(|found| found.how), log.frame());
+            let how = matched.as_ref().map(|found| found.how);
+            candidate.map.submitted(how, pass.depth.is_some(), log.frame());
             // A pass without a mask obeys no map, and so says nothing of what that shall hold.
             if pass.unmasked.is_some_and(|reason| reason != Unmasked::Undrawn) {
                 continue;

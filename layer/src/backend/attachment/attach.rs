@@ -325,7 +325,10 @@ impl Rates {
         };
         // Pipelines with the flag for attachments may be used without one. A pass that is suspended and
         // resumed must have the same attachments throughout (vkCmdBeginRendering).
-        let is_matched = image.is_matched() && !rendering::is_suspended(asked);
+        // SAFETY: the pointer is null or valid, by the valid usage of vkCmdBeginRendering.
+        let depth = unsafe { asked.p_depth_attachment.as_ref() };
+        let has_depth = depth.is_some_and(|depth| depth.image_view != vk::ImageView::null());
+        let is_matched = image.is_matched(has_depth) && !rendering::is_suspended(asked);
         if self.attaches_only_matched && !is_matched {
             begin(info);
             return Some(image);

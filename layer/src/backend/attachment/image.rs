@@ -61,8 +61,8 @@ pub struct RateImage {
     image: vk::Image,
     allocation: Suballocation,
     maker: Arc<Maker>,
-    /// Whether the pass that was submitted last for its target was the scene.
-    is_matched: AtomicBool,
+    /// Whether the pass without depth that was submitted last for its target was the scene, and the one with depth.
+    is_matched: [AtomicBool; 2],
 }
 
 /// The stage and the access of passes that read rates.
@@ -72,9 +72,9 @@ const READ: (vk::PipelineStageFlags, vk::AccessFlags) = (
 );
 
 impl RateImage {
-    /// Whether the pass that was submitted last for its target was recognised as the scene.
-    pub fn is_matched(&self) -> bool {
-        self.is_matched.load(Ordering::Relaxed)
+    /// Whether the pass, with depth or without, that was submitted last for its target was recognised as the scene.
+    pub fn is_matched(&self, has_depth: bool) -> bool {
+        self.is_matched[usize::from(has_depth)].load(Ordering::Relaxed)
     }
 
     /// Records that it becomes the map at `offset` of a buffer, a texel a byte, row by row, layer by layer, and readable
@@ -194,8 +194,8 @@ impl RateMap for Arc<RateImage> {
         MapSize { texel: self.maker.texel, tiles: self.key.texels, layers: self.key.layers }
     }
 
-    fn submitted(&self, scene: Option<How>, _frame: u64) {
-        self.is_matched.store(scene.is_some(), Ordering::Relaxed);
+    fn submitted(&self, scene: Option<How>, has_depth: bool, _frame: u64) {
+        self.is_matched[usize::from(has_depth)].store(scene.is_some(), Ordering::Relaxed);
     }
 
     fn form(&self) -> Option<MapForm> {
@@ -386,7 +386,7 @@ impl Maker {
             });
             let (allocation, view) = made.inspect_err(|_| device.destroy_image(image, None))?;
             let maker = Arc::clone(self);
-            Ok(RateImage { key, view, image, allocation, maker, is_matched: AtomicBool::new(false) })
+            Ok(RateImage { key, view, image, allocation, maker, is_matched: Default::default() })
         }
     }
 

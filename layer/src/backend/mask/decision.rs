@@ -100,7 +100,8 @@ impl Masks {
         attachments: &Attachments,
         context: PassContext<'_>,
     ) -> Result<OpenMask, Unmasked> {
-        let (facts, pipelines) = target.evidence(attachments.colors.is_empty())?;
+        let (facts, pipelines) =
+            target.evidence(attachments.colors.is_empty(), attachments.depth.is_some())?;
         let is_layered = pass.view_mask == 0 && target.layers() > 1;
         let pass = PassFacts {
             is_queried: pass.facts.is_queried || facts.is_queried,

@@ -75,8 +75,9 @@ struct PassEvidence {
     prepass_refusal: Option<Unmasked>,
     /// Fragment shaders that shall return early: of any kind, and such that keep their coverage.
     returns: [Wanted; 2],
-    /// Whether the last pass that was submitted was the scene.
-    is_scene: bool,
+    /// Whether the last submitted pass without depth was the scene, and the last one with depth: of a pair of images one has the scene in
+    /// one frame, and its tone-mapped copy in the next.
+    is_scene: [bool; 2],
     /// Whether it drew straight into a swapchain.
     is_shown: bool,
     /// In which frame that was, and how many frames after the one before.
@@ -100,23 +101,23 @@ impl TargetMask {
         self.target.layers
     }
 
-    /// Evidence of passes to it, or of depth pre-passes for them, before they are recorded.
+    /// Evidence of passes to it, with depth or without, or of depth pre-passes for them, before they are recorded.
     ///
     /// # Errors
     ///
     /// Nothing yet that would make them the scene.
-    pub(super) fn evidence(&self, is_prepass: bool) -> Result<(PassFacts, PipelineFacts), Unmasked> {
+    pub(super) fn evidence(
+        &self,
+        is_prepass: bool,
+        has_depth: bool,
+    ) -> Result<(PassFacts, PipelineFacts), Unmasked> {
         let seen = self.seen();
+        let is_scene = seen.is_scene[usize::from(has_depth)];
         match *seen {
             PassEvidence { has_prepass: false, .. } if is_prepass => Err(Unmasked::New),
-            PassEvidence {
-                is_recorded: true,
-                is_scene: true,
-                loses_compute: false,
-                facts,
-                pipelines,
-                ..
-            } => Ok((facts, pipelines)),
+            PassEvidence { is_recorded: true, loses_compute: false, facts, pipelines, .. } if is_scene => {
+                Ok((facts, pipelines))
+            }
             PassEvidence { loses_compute: true, .. } => Err(Unmasked::ComputeState),
             _ => Err(Unmasked::New),
         }
@@ -299,13 +300,13 @@ impl RateMap for TargetMask {
         true
     }
 
-    fn submitted(&self, scene: Option<How>, frame: u64) {
+    fn submitted(&self, scene: Option<How>, has_depth: bool, frame: u64) {
         let mut seen = self.seen();
         if frame != seen.frame {
             seen.frames_since = frame.saturating_sub(seen.frame);
             seen.frame = frame;
         }
-        seen.is_scene = scene.is_some();
+        seen.is_scene[usize::from(has_depth)] = scene.is_some();
         seen.is_shown = scene == Some(How::Swapchain);
     }
 

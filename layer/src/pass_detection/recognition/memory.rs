@@ -224,23 +224,23 @@ impl Memory {
         }
     }
 
-    /// Notes the role of the next pass to draw an image in this frame.
-    pub(super) fn add_role(&mut self, frame: u64, image: ImageKey, role: Role) {
+    /// Notes the role of the next pass to draw an image in this frame, with depth or without.
+    pub(super) fn add_role(&mut self, frame: u64, image: ImageKey, has_depth: bool, role: Role) {
         let Some(image) = self.images.get_mut(&image) else { return };
         let roles = match image.description.swapchain {
             Some(swapchain) => self.of_swapchains.entry(swapchain).or_default(),
             None => &mut image.roles,
         };
-        roles.add(frame, role);
+        roles.add(frame, has_depth, role);
     }
 
-    /// Role of pass number `ordinal` to draw an image in this frame, from 0, as far as earlier frames tell.
-    pub(super) fn role(&self, frame: u64, image: &ImageDescription, ordinal: usize) -> Role {
+    /// Role of pass number `ordinal`, from 0, of those with depth, or without, that draw an image in this frame, as far as earlier frames tell.
+    pub(super) fn role(&self, frame: u64, image: &ImageDescription, has_depth: bool, ordinal: usize) -> Role {
         let roles = match image.swapchain {
             Some(swapchain) => self.of_swapchains.get(&swapchain),
             None => self.images.get(&image.key).map(|image| &image.roles),
         };
-        roles.map_or(Role::Unknown, |roles| roles.of(frame, ordinal))
+        roles.map_or(Role::Unknown, |roles| roles.of(frame, has_depth, ordinal))
     }
 
     /// Looks which images' pictures moved while the passes that draw them did not.

@@ -1,6 +1,6 @@
 //! The passes of the last frames in their order: the use of a new image is seen from others of its signature.
 
-use super::merge;
+use super::{is_in_sequence, merge};
 use crate::pass_detection::{Event, ImageDescription, ImageKey, Match, Pass, Target, Unmatched};
 use ash::vk;
 use std::fmt;
@@ -119,8 +119,7 @@ impl PassHistory {
         for pass in passes {
             if let Some(shape) = PassSignature::new(pass, description) {
                 let image = pass.colors.first().map(|target| target.image);
-                let is_before =
-                    |role: &&PassRecord| role.pass.colors.first().map(|target| target.image) == image;
+                let is_before = |role: &&PassRecord| is_in_sequence(&role.pass, pass);
                 let ordinal = self.frames[0].iter().filter(is_before).count();
                 let is_young = image.is_some_and(&is_young);
                 let outcome = Err(Unmatched::New);

@@ -1,4 +1,5 @@
-//! Roles of the passes that drew one image: an image of a pool serves a mirror first and an eye later.
+//! Roles of the passes that drew one image: an image of a pool serves a mirror first and an eye later, and of a pair of images one has the
+//! scene and the other its tone-mapped copy, in turns from frame to frame.
 
 use super::HOLD;
 use super::provenance::Role;
@@ -10,9 +11,18 @@ const MOST: usize = 8;
 /// So many frames an image that also was a texture must be drawn in the same order, before its passes are told apart by that.
 const STEADY: u64 = 4;
 
-/// Roles of the passes of an image, frame by frame.
+/// Roles of the passes of an image. Passes with depth and passes without are kept apart: those shade, these mostly pass a picture on.
 #[derive(Debug, Default)]
 pub(super) struct Roles {
+    without_depth: Sequence,
+    with_depth: Sequence,
+    /// When a pass last was none of an eye.
+    textured_at: Option<u64>,
+}
+
+/// Roles of the passes of an image that all have depth, or all have none, frame by frame.
+#[derive(Debug, Default)]
+struct Sequence {
     /// Of the newest frame that told anything.
     newest: SmallVec<[Role; MOST]>,
     /// Of the frame before that.
@@ -21,13 +31,37 @@ pub(super) struct Roles {
     at: u64,
     /// Since when frames told the same.
     same_since: u64,
-    /// When a pass last was none of an eye.
-    textured_at: Option<u64>,
 }
 
 impl Roles {
-    /// The next pass in this frame.
-    pub(super) fn add(&mut self, frame: u64, role: Role) {
+    /// The next pass in this frame, with depth or without.
+    pub(super) fn add(&mut self, frame: u64, has_depth: bool, role: Role) {
+        match has_depth {
+            true => self.with_depth.add(frame, role),
+            false => self.without_depth.add(frame, role),
+        }
+        if matches!(role, Role::Texture | Role::Ambiguous) {
+            self.textured_at = Some(frame);
+        }
+    }
+
+    /// The last frame that told anything.
+    pub(super) fn at(&self) -> u64 {
+        self.with_depth.at.max(self.without_depth.at)
+    }
+
+    /// Role of pass number `ordinal`, from 0, of those with depth, or of those without.
+    pub(super) fn of(&self, frame: u64, has_depth: bool, ordinal: usize) -> Role {
+        let was_textured = self.textured_at.is_some_and(|at| frame < at + HOLD);
+        match has_depth {
+            true => self.with_depth.of(frame, ordinal, was_textured),
+            false => self.without_depth.of(frame, ordinal, was_textured),
+        }
+    }
+}
+
+impl Sequence {
+    fn add(&mut self, frame: u64, role: Role) {
         if self.at != frame {
             if self.newest != self.before {
                 self.same_since = self.at;
@@ -39,21 +73,11 @@ impl Roles {
         if self.newest.len() < MOST {
             self.newest.push(role);
         }
-        if matches!(role, Role::Texture | Role::Ambiguous) {
-            self.textured_at = Some(frame);
-        }
     }
 
-    /// The last frame that told anything.
-    pub(super) fn at(&self) -> u64 {
-        self.at
-    }
-
-    /// Role of pass number `ordinal`, from 0.
-    pub(super) fn of(&self, frame: u64, ordinal: usize) -> Role {
+    fn of(&self, frame: u64, ordinal: usize, was_textured: bool) -> Role {
         let Some(last) = self.newest.last() else { return Role::Unknown };
         let role = *self.newest.get(ordinal).unwrap_or(last);
-        let was_textured = self.textured_at.is_some_and(|at| frame < at + HOLD);
         let is_one = self.newest.iter().all(|other| *other == role);
         let is_steady = self.newest == self.before && frame >= self.same_since + STEADY;
         let is_eye = matches!(role, Role::Eye | Role::FullScreen);
@@ -72,7 +96,7 @@ mod tests {
     fn after(frames: &[&[Role]]) -> Roles {
         let mut roles = Roles::default();
         for (frame, passes) in (1..).zip(frames) {
-            passes.iter().for_each(|role| roles.add(frame, *role));
+            passes.iter().for_each(|role| roles.add(frame, true, *role));
         }
         roles
     }
@@ -81,10 +105,13 @@ mod tests {
     fn passes_are_told_apart_by_their_order_once_it_is_steady() {
         let pooled: &[Role] = &[Role::Texture, Role::Eye, Role::Eye];
         let young = after(&[pooled; 2]);
-        assert_eq!([0, 1].map(|ordinal| young.of(3, ordinal)), [Role::Texture, Role::Ambiguous]);
+        assert_eq!([0, 1].map(|ordinal| young.of(3, true, ordinal)), [Role::Texture, Role::Ambiguous]);
         let steady = after(&[pooled; 8]);
-        assert_eq!([0, 1, 2].map(|ordinal| steady.of(9, ordinal)), [Role::Texture, Role::Eye, Role::Eye]);
-        assert_eq!(steady.of(9, 3), Role::Unknown);
+        assert_eq!(
+            [0, 1, 2].map(|ordinal| steady.of(9, true, ordinal)),
+            [Role::Texture, Role::Eye, Role::Eye]
+        );
+        assert_eq!(steady.of(9, true, 3), Role::Unknown);
     }
 
     #[test]
@@ -93,14 +120,27 @@ mod tests {
             .map(|frame| if frame % 3 == 0 { &[Role::Texture, Role::Eye][..] } else { &[Role::Eye] })
             .collect();
         for count in 4..20 {
-            assert_ne!(after(&frames[..count]).of(count as u64 + 1, 0), Role::Eye, "{count}");
+            assert_ne!(after(&frames[..count]).of(count as u64 + 1, true, 0), Role::Eye, "{count}");
         }
     }
 
     #[test]
     fn an_image_of_eyes_alone_is_so_at_once() {
-        assert_eq!(after(&[&[Role::Eye]]).of(2, 0), Role::Eye);
-        assert_eq!(after(&[&[Role::Eye]]).of(2, 3), Role::Eye);
-        assert_eq!(Roles::default().of(1, 0), Role::Unknown);
+        assert_eq!(after(&[&[Role::Eye]]).of(2, true, 0), Role::Eye);
+        assert_eq!(after(&[&[Role::Eye]]).of(2, true, 3), Role::Eye);
+        assert_eq!(Roles::default().of(1, true, 0), Role::Unknown);
+    }
+
+    #[test]
+    fn of_a_pair_of_images_one_has_the_scene_and_then_its_copy() {
+        let mut roles = Roles::default();
+        for frame in 1..10 {
+            let is_scene = frame % 2 == 0;
+            roles.add(frame, is_scene, if is_scene { Role::Eye } else { Role::FullScreen });
+            if frame > 2 {
+                assert_eq!(roles.of(frame + 1, true, 0), Role::Eye);
+                assert_eq!(roles.of(frame + 1, false, 0), Role::FullScreen);
+            }
+        }
     }
 }

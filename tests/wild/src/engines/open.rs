@@ -40,13 +40,15 @@ pub(crate) fn godot_forward(frame: &mut Frame<'_>, textures: &[Texture]) {
 }
 
 /// Bevy: a camera for each eye; opaque, transmissive with a copy of the view, transparent; tone mapping into the other of two
-/// images, an upscaling pass into the swapchain.
+/// images, which change places from frame to frame (Bevy 0.19 does so with HDR), an upscaling pass into the swapchain.
 pub(crate) fn bevy(frame: &mut Frame<'_>, textures: &[Texture]) {
     let mut sampled = draw_all(frame, textures);
     let size = frame.size();
     for view in 0..2 {
         let is_eye = IsEye(eye_of(view));
-        let [a, b] = ["main_texture_a", "main_texture_b"].map(|name| frame.image(name, view, size, HDR));
+        let mut pair = ["main_texture_a", "main_texture_b"].map(|name| frame.image(name, view, size, HDR));
+        pair.rotate_left((frame.number % 2) as usize);
+        let [a, b] = pair;
         let depth = frame.image("view_depth_texture", view, size, DEPTH);
         let transmission = frame.image("view_transmission_texture", view, size, HDR);
         frame.add(Step::new("opaque", is_eye, &[a]).clears(depth).meshes(280, &sampled));
