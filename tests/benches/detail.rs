@@ -3,8 +3,8 @@
 //!
 //! The eyes rest, and then step to another place, in as long as a saccade takes. Pictures are compared with those without the layer: over the view while the eyes
 //! rest, and around the new place from the frame in which the eyes land on, by rule. Masks are the layer's own, on a device without rates. With rate
-//! attachments the layer's maps are those that it attaches to a device that looks as if it had rates, and the styles' shaders show how such
-//! a map looks there (`parafovea-zoo --look`).
+//! attachments the maps are the layer's on a device with emulated rates, and the styles' shaders show the look of such a map
+//! (`parafovea-zoo --look`).
 
 use parafovea_test_layers::{
     SHADING_RATE_GPU_VARIABLE, SHADING_RATE_TEXELS_VARIABLE, ShadingRateLine, ShadingRatePass,
@@ -235,7 +235,7 @@ impl Request {
         self.keep_picture(&format!("{style}-{maps}-{}", rule.replace([' ', ','], "-")), on)
     }
 
-    /// Saves the judged picture of the rest, where that is asked for.
+    /// Saves the judged picture of the rest if `--keep` names a folder.
     fn keep_picture(&self, name: &str, outcome: &Outcome) -> Result<(), Box<dyn Error>> {
         let Some(folder) = &self.keep else { return Ok(()) };
         std::fs::create_dir_all(folder)?;

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Parameters, table, rates of the left and of the right eye, texels.
 const BINDINGS: [vk::DescriptorType; 5] = [vk::DescriptorType::STORAGE_BUFFER; 5];
 
-/// Threads of a workgroup, each of which writes four texels. The shader has the same number.
+/// Threads of a workgroup, with four texels for each. The shader has the same number.
 const THREADS: u32 = 64;
 
 /// The pass.

@@ -1,6 +1,6 @@
 //! Targets of passes that may be the scene: colour targets, each with a map of rates.
 //!
-//! Every texel is 1x1 until recognition says what a pass shows; then it is resolved from the newest plan.
+//! Every texel is 1x1 until the pass is recognised, and resolved from the newest plan after that.
 
 mod content;
 

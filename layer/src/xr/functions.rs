@@ -1,6 +1,6 @@
 //! Lists of OpenXR functions that the layer calls below and hooks.
 
-/// Declares a structure of functions below, and the answer of `xrGetInstanceProcAddr` for those that are hooked.
+/// Declares a structure of functions below, and the answer of `xrGetInstanceProcAddr` for hooked functions.
 ///
 /// A line `c"xrName" field: Type => hook;` gives the field of the structure, its loader and its hook; a line without `=> hook` is only called.
 /// After `optional:` are functions that may be missing, with all of their names.

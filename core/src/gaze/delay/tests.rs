@@ -54,7 +54,7 @@ impl Viewer {
     }
 }
 
-/// The estimate after frames to the end of both, each of which sees the newest samples; `is_seen`: whether the eyes are, by the frame's time.
+/// The estimate at the end of frames that take the newest samples of both sources; `is_seen`: whether the eyes are tracked, by the time of the frame.
 fn estimate(dated: &[TimedGaze], late: &[TimedGaze], is_seen: impl Fn(i64) -> bool) -> Option<f32> {
     let mut delay = GazeDelay::default();
     let end = dated.last().unwrap().1.min(late.last().unwrap().1);

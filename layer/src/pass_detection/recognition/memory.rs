@@ -234,7 +234,7 @@ impl Memory {
         roles.add(frame, has_depth, role);
     }
 
-    /// Role of pass number `ordinal`, from 0, of those with depth, or without, that draw an image in this frame, as far as earlier frames tell.
+    /// Role of pass number `ordinal`, from 0, among the passes with depth, or without, of an image in this frame, as far as earlier frames tell.
     pub(super) fn role(&self, frame: u64, image: &ImageDescription, has_depth: bool, ordinal: usize) -> Role {
         let roles = match image.swapchain {
             Some(swapchain) => self.of_swapchains.get(&swapchain),

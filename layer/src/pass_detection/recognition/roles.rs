@@ -11,7 +11,7 @@ const MOST: usize = 8;
 /// So many frames an image that also was a texture must be drawn in the same order, before its passes are told apart by that.
 const STEADY: u64 = 4;
 
-/// Roles of the passes of an image. Passes with depth and passes without are kept apart: those shade, these mostly pass a picture on.
+/// Roles of the passes of an image. Passes with depth shade, and passes without mostly pass a picture on, so that each kind has a sequence.
 #[derive(Debug, Default)]
 pub(super) struct Roles {
     without_depth: Sequence,
@@ -50,7 +50,7 @@ impl Roles {
         self.with_depth.at.max(self.without_depth.at)
     }
 
-    /// Role of pass number `ordinal`, from 0, of those with depth, or of those without.
+    /// Role of pass number `ordinal`, from 0, among the passes with depth, or without.
     pub(super) fn of(&self, frame: u64, has_depth: bool, ordinal: usize) -> Role {
         let was_textured = self.textured_at.is_some_and(|at| frame < at + HOLD);
         match has_depth {

@@ -4,7 +4,7 @@ use super::{hooks, sources, spaces};
 use crate::xr::functions::functions;
 
 functions! {
-    /// The functions of the layer (or runtime) below that an offered gaze needs beside those of `Next`.
+    /// Functions of the layer (or runtime) below for an offered gaze, beside the functions of `Next`.
     OfferNext;
 
     c"xrGetSystemProperties" get_system_properties: GetSystemProperties => hooks::get_system_properties;

@@ -309,7 +309,7 @@ pub unsafe extern "system" fn locate_many(
 impl GazeSpace {
     /// Turns the views of an `xrLocateViews` from the space of the head to this one.
     pub fn turn_views(&self, time: xr::Time, state: &mut xr::ViewState, views: &mut [xr::View]) {
-        // The bits of views mean what those of spaces mean.
+        // Views and spaces have the same bits.
         let located = xr::SpaceLocationFlags::from_raw(state.view_state_flags.into_raw());
         let base = self.placement(time);
         for view in views {
