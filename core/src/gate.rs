@@ -194,6 +194,20 @@ impl Gate {
         self.mode == GateMode::Auto && self.wants_costs
     }
 
+    /// Time from `now` within which no trial can begin, nanoseconds; 0 while one is running or due. The phase of the gaze is not needed before:
+    /// a trial that waits for a saccade or blink looks at those of ten seconds.
+    pub fn rests_ns(&self, now: i64) -> i64 {
+        if self.mode != GateMode::Auto {
+            return i64::MAX;
+        }
+        if self.trial.is_some() || self.wants_costs || self.full_trials_left > 0 {
+            return 0;
+        }
+        let Some(last) = self.last_trial_ns else { return 0 };
+        let rest_ns = self.hidden_rest_ns().min(CONTROL_REST_NS) - 10 * HIDING_NS;
+        last.saturating_add(rest_ns).saturating_sub(now).max(0)
+    }
+
     /// Records a rendered frame, and returns whether the technique is on in the next one.
     ///
     /// `may_begin`: whether a trial may begin now; not while another gate has one.
@@ -261,12 +275,16 @@ impl Gate {
         if self.full_trials_left > 0 {
             return has_elapsed(self.last_full_ns, TRIAL_REST_NS, now) || hidden;
         }
-        let hidden_rest = match self.undecided {
+        has_elapsed(self.last_trial_ns, CONTROL_REST_NS, now)
+            || hidden && has_elapsed(self.last_trial_ns, self.hidden_rest_ns(), now)
+    }
+
+    /// Least time from the last trial to one in a saccade or blink, nanoseconds.
+    fn hidden_rest_ns(&self) -> i64 {
+        match self.undecided {
             0 => HIDDEN_REST_NS,
             trials => RETRY_REST_NS.saturating_mul(1 << (trials - 1).min(8)).min(HIDDEN_REST_NS),
-        };
-        has_elapsed(self.last_trial_ns, CONTROL_REST_NS, now)
-            || hidden && has_elapsed(self.last_trial_ns, hidden_rest, now)
+        }
     }
 
     /// Begins a trial, if there are costs to compare with.

@@ -22,10 +22,10 @@ pub use plan::{
 use crate::abi::executable;
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};
-use parafovea_manifest::status::{AskedView, Settings};
+use parafovea_manifest::status::{AskedView, GazeWatch, Settings};
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, TryLockError};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// Edits apply within a second: twice as often is looked.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
@@ -45,13 +45,15 @@ pub struct ConfigSnapshot {
     pub source: Arc<Settings>,
     /// Whether the debug view is not the file's, but requested by `parafovea status --view`.
     pub is_view_asked: bool,
+    /// Whether `parafovea gaze` watches the gaze.
+    pub is_gaze_watched: bool,
 }
 
 #[cfg(test)]
 impl ConfigSnapshot {
     /// A configuration of no file.
     pub fn of_tests(config: Config) -> Self {
-        Self { config, source: Arc::default(), is_view_asked: false }
+        Self { config, source: Arc::default(), is_view_asked: false, is_gaze_watched: false }
     }
 }
 
@@ -69,6 +71,7 @@ struct Watched {
     /// The configuration of the file.
     configured: Config,
     asked: AskedView,
+    gaze: GazeWatch,
     /// The requested view at the last look.
     view: Option<DebugView>,
     /// The last request that the device was not armed for.
@@ -85,10 +88,18 @@ impl LiveConfig {
         let (config, source) = watch.poll().map(|read| accept(read, &watch)).unwrap_or_default();
         let config = config.unwrap_or_default();
         crate::log::set_level(config.log.level);
-        let asked = AskedView::new(environment, std::process::id());
-        let watched =
-            Watched { watch, configured: config, asked, view: None, out_of_reach: None, looked: now };
-        let snapshot = ConfigSnapshot { config, source: Arc::new(source), is_view_asked: false };
+        let pid = std::process::id();
+        let watched = Watched {
+            watch,
+            configured: config,
+            asked: AskedView::new(environment, pid),
+            gaze: GazeWatch::new(environment, pid),
+            view: None,
+            out_of_reach: None,
+            looked: now,
+        };
+        let snapshot =
+            ConfigSnapshot { config, source: Arc::new(source), is_view_asked: false, is_gaze_watched: false };
         Self { current: ArcSwap::from_pointee(snapshot), watched: Mutex::new(watched) }
     }
 
@@ -103,15 +114,22 @@ impl LiveConfig {
         self.current.store(Arc::new(ConfigSnapshot { config, ..ConfigSnapshot::default() }));
     }
 
-    /// Looks for an edit, and for a debug view that is asked for, if it is time to. A file with an error changes nothing.
-    pub fn poll(&self, now: Instant) {
+    /// Puts a snapshot in the place of the last one.
+    #[cfg(test)]
+    pub fn set_snapshot(&self, snapshot: ConfigSnapshot) {
+        self.current.store(Arc::new(snapshot));
+    }
+
+    /// Looks for an edit, and for requests of the command `parafovea`, if it is time to; returns whether anything changed. A file with an error changes
+    /// nothing but the source.
+    pub fn poll(&self, now: Instant) -> bool {
         let mut watched = match self.watched.try_lock() {
             Ok(watched) => watched,
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-            Err(TryLockError::WouldBlock) => return,
+            Err(TryLockError::WouldBlock) => return false,
         };
         if now.saturating_duration_since(watched.looked) < LOOK_EVERY {
-            return;
+            return false;
         }
         watched.looked = now;
         let mut snapshot = ConfigSnapshot::clone(&self.current.load());
@@ -122,16 +140,19 @@ impl LiveConfig {
             config
         });
         let view = watched.asked.look();
+        let is_gaze_watched = watched.gaze.look(SystemTime::now());
+        let is_watch_new = is_gaze_watched != snapshot.is_gaze_watched;
+        snapshot.is_gaze_watched = is_gaze_watched;
         if let Some(config) = edited {
             crate::log::set_level(config.log.level);
             tracing::info!("configuration changed");
             watched.configured = config;
         } else if view == watched.view {
             // A file with an error.
-            if is_read {
+            if is_read || is_watch_new {
                 self.current.store(Arc::new(snapshot));
             }
-            return;
+            return is_read || is_watch_new;
         }
         if view != watched.view {
             match view {
@@ -155,6 +176,7 @@ impl LiveConfig {
             }
         }
         self.current.store(Arc::new(snapshot));
+        true
     }
 }
 

@@ -126,9 +126,9 @@ impl Planning {
         }
     }
 
-    /// A frame begins, to be shown at `time_ns`.
-    pub fn frame_begins(&mut self, time_ns: i64) {
-        self.frame += 1;
+    /// A frame begins, to be shown at `time_ns`; it is the `count`th since the last call.
+    pub fn frame_begins(&mut self, time_ns: i64, count: u32) {
+        self.frame += u64::from(count);
         self.views.frame_begins();
         self.has_history = std::mem::take(&mut self.keeps_history);
         let begun_ns = self.begun_ns.replace(time_ns);
@@ -136,7 +136,7 @@ impl Planning {
         if !passed_ns.is_some_and(|passed_ns| (0..=LONGEST_REUSE_NS).contains(&passed_ns)) {
             self.has_history = [false; 2];
         }
-        self.frame_rate.frame_at(time_ns);
+        self.frame_rate.frame_at(time_ns, count);
     }
 
     /// Sets the techniques of the uploaded maps, of all that is planned: the other half gets them from now on.

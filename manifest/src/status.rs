@@ -11,12 +11,14 @@ mod folder;
 mod gaze;
 mod request;
 mod view;
+mod watch;
 
 pub use correction::{AskedMeasurement, CorrectionStatus, GazeMeasurement, ask_measurement};
 pub use effect::effect;
 pub use folder::{Found, Gone, StatusFile, read_all};
 pub use gaze::ASSUMED_DELAY_MS;
 pub use view::{AskedView, ask_view};
+pub use watch::{GazeWatch, watch_gaze};
 
 use serde::{Deserialize, Serialize};
 

@@ -44,6 +44,11 @@ impl Gates {
         &self.gates
     }
 
+    /// [`Gate::rests_ns`] of both.
+    pub fn rests_ns(&self, now: i64) -> i64 {
+        self.gates.rates.rests_ns(now).min(self.gates.reuse.rests_ns(now))
+    }
+
     /// Changes the source of each decision.
     pub fn set_mode(&mut self, mode: Techniques<GateMode>) {
         self.gates.rates.set_mode(mode.rates);

@@ -61,6 +61,31 @@ proptest! {
         prop_assert_eq!(run(&mut simulation, &mut gate, 20 * 60).changes, 0);
     }
 
+    /// No trial begins within the time that the gate announces, and that is a third of the time at least, also of eyes that never blink.
+    #[test]
+    fn no_trial_begins_in_an_announced_rest(
+        seed: u64,
+        ratio in 0.6f64..1.4,
+        eyes in prop::sample::select(vec![Eyes::Rest, Eyes::Move, Eyes::Lost]),
+    ) {
+        let mut simulation = Simulation::new(seed).ratio(ratio).noise(0.1).eyes(eyes);
+        let mut gate = Gate::new(GateMode::Auto);
+        let (mut rests_until, mut resting, mut frames) = (i64::MIN, 0, 0);
+        while simulation.now() < 30 * 60 * SECOND {
+            let had_trial = gate.has_trial();
+            let frame = simulation.frame(gate.is_on());
+            gate.frame(&frame, true);
+            let now = frame.time_ns;
+            prop_assert!(!gate.has_trial() || had_trial || now >= rests_until);
+            let rests_ns = gate.rests_ns(now);
+            prop_assert!(rests_ns == 0 || !gate.wants_costs());
+            rests_until = rests_until.max(now.saturating_add(rests_ns));
+            (resting, frames) = (resting + u32::from(rests_ns > 0), frames + 1);
+        }
+        prop_assert!(!(0.8..1.2).contains(&ratio) || resting > 0);
+        prop_assert!((0.8..1.2).contains(&ratio) || 3 * resting > frames, "{resting} of {frames}");
+    }
+
     /// With open eyes at most four switches in any minute, whatever frames cost; after two full trials, a control and
     /// at most one change of the kept state in ten minutes.
     #[test]

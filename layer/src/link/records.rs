@@ -52,6 +52,8 @@ pub struct SwapchainRecord {
     pub usage: vk::ImageUsageFlags,
     /// Usage that they have, which may be more.
     pub granted: vk::ImageUsageFlags,
+    /// 1 if they are the layer's own, in place of the runtime's: [`LinkTable::layout`](super::LinkTable::layout) may ask for their layouts.
+    pub is_virtual: u32,
 }
 
 /// The newest plan.
@@ -156,6 +158,8 @@ pub struct FrameReportRecord {
     pub eye_passes: u32,
     /// Number of decisions so far ([`LinkTable::decision`](super::LinkTable::decision)).
     pub decisions: u32,
+    /// Frames from the next one on whose passes are not followed, whether or not they end with a record.
+    pub unfollowed: u32,
     /// Number of `times`.
     pub time_count: u32,
     /// GPU times of frames that became known, in the order of the frames: a frame or more after each has ended, and of some never.
@@ -196,6 +200,8 @@ pub struct ShownRecord {
     pub depth: *const u64,
     /// Number of swapchains in `depth`.
     pub depth_count: u32,
+    /// Frames since the last record, without this one, that ended without one.
+    pub unnoticed: u32,
 }
 
 /// [`ShownViewRecord::eye`] of a view that is neither eye's whole picture, such as an inset of quad views.

@@ -86,6 +86,11 @@ impl Benefit {
         rates.wants_costs() || reuse.wants_costs()
     }
 
+    /// Time from `now_ns` within which no trial can begin, nanoseconds.
+    pub fn rests_ns(&self, now_ns: i64) -> i64 {
+        self.gates.rests_ns(now_ns)
+    }
+
     /// The gates, for people.
     pub fn gates(&self) -> &Gates {
         &self.gates

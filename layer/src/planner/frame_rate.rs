@@ -12,9 +12,11 @@ pub struct FrameRate {
 }
 
 impl FrameRate {
-    /// A frame is shown at `time_ns`. After a second without, or when the clock went back, all begins anew.
-    pub fn frame_at(&mut self, time_ns: i64) {
-        let step_ns = self.last_ns.replace(time_ns).map(|last| time_ns.saturating_sub(last) as f32);
+    /// A frame is shown at `time_ns`, the `count`th since the last call. After frames of a second each, or when the clock went back, all
+    /// begins anew.
+    pub fn frame_at(&mut self, time_ns: i64, count: u32) {
+        let passed_ns = self.last_ns.replace(time_ns).map(|last| time_ns.saturating_sub(last) as f32);
+        let step_ns = passed_ns.map(|passed| passed / count.max(1) as f32);
         self.step_ns = match (step_ns.filter(|step| (1.0..WINDOW_NS).contains(step)), self.step_ns) {
             (None, _) => None,
             (first, None) => first,
@@ -36,28 +38,30 @@ mod tests {
     fn is_known_from_the_second_frame_on_and_follows() {
         let mut rate = FrameRate::default();
         let mut now = 5;
-        rate.frame_at(now);
+        rate.frame_at(now, 1);
         assert_eq!(rate.hz(), 0.0);
         for _ in 0..90 {
             now += 11_111_111;
-            rate.frame_at(now);
+            rate.frame_at(now, 1);
             assert!((rate.hz() - 90.0).abs() < 0.01, "{}", rate.hz());
         }
         for _ in 0..45 * 5 {
             now += 22_222_222;
-            rate.frame_at(now);
+            rate.frame_at(now, 1);
         }
         assert!((rate.hz() - 45.0).abs() < 0.5, "{}", rate.hz());
+        rate.frame_at(now + 90 * 22_222_222, 90);
+        assert!((rate.hz() - 45.0).abs() < 0.5, "frames in between are counted: {}", rate.hz());
     }
 
     #[test]
     fn a_pause_or_a_clock_that_goes_back_or_stands_begins_anew() {
         for next in [10_000_000_000, 5, 0] {
             let mut rate = FrameRate::default();
-            rate.frame_at(0);
-            rate.frame_at(5);
+            rate.frame_at(0, 1);
+            rate.frame_at(5, 1);
             assert!(rate.hz() > 0.0);
-            rate.frame_at(next);
+            rate.frame_at(next, 1);
             assert_eq!(rate.hz(), 0.0, "{next}");
         }
     }

@@ -59,7 +59,7 @@ impl Session {
 
     fn begin(&mut self) {
         self.time_ns += FRAME_NS;
-        self.planning.frame_begins(self.time_ns);
+        self.planning.frame_begins(self.time_ns, 1);
     }
 
     /// Plans the frame with that gaze. Whether there are new rates.

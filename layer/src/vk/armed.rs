@@ -41,7 +41,7 @@ pub struct Armed {
     pub rates: DeviceRates,
     /// The application's objects.
     pub objects: Objects,
-    /// The layouts of XR swapchains' images.
+    /// The layouts of virtual swapchains' images.
     pub layouts: Layouts,
     /// Targets of passes that may be the scene.
     pub candidates: Candidates,
@@ -145,7 +145,9 @@ impl Armed {
             }
         }
         for &image in images {
-            self.layouts.follow(image);
+            if record.is_virtual != 0 {
+                self.layouts.follow(image);
+            }
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
         }
     }
@@ -163,7 +165,7 @@ impl Armed {
         let is_allowed = [BACKEND_ANY, self.capabilities().backend].contains(&record.backend);
         self.frame.set_on(record.is_on != 0 && is_allowed);
         self.timing.set_wanted(record.times_frames != 0 && is_allowed);
-        self.frame.log().set_resting(record.is_on == 0 && record.times_frames == 0);
+        self.frame.set_resting(record.is_on == 0 && record.times_frames == 0);
         let rules = str::from_utf8(passes).map_err(|error| error.to_string());
         match rules.and_then(|rules| rules.parse().map_err(|error: PassRulesError| error.to_string())) {
             Ok(rules) => self.frame.log().set_rules(rules),

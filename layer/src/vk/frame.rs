@@ -39,6 +39,8 @@ pub struct Frame {
     log: Mutex<Log>,
     shown: Mutex<Shown>,
     is_on: AtomicBool,
+    /// [`Log::rests`], to be looked at without the lock.
+    rests: AtomicBool,
 }
 
 impl Frame {
@@ -108,7 +110,35 @@ impl Frame {
         shown.depth.clear();
         shown.depth.extend(depth.iter().copied().map(SwapchainKey));
         drop(swapchains);
-        lock(&self.log).end_frame(objects, &shown);
+        let mut log = lock(&self.log);
+        log.end_frame(objects, &shown);
+        self.rests.store(log.rests(), Ordering::Relaxed);
+    }
+
+    /// So many frames have ended without a submission to take, ahead of the one that ends now.
+    pub fn skip(&self, frames: u32) {
+        if frames > 0 {
+            lock(&self.log).skip(frames);
+        }
+    }
+
+    /// Ends a frame from which recognition does not learn.
+    pub fn end_unlearned(&self, objects: &Objects) {
+        let mut log = lock(&self.log);
+        log.begin_next(objects);
+        self.rests.store(log.rests(), Ordering::Relaxed);
+    }
+
+    /// Takes whether the gates rest from the frame under way on.
+    pub fn set_resting(&self, rests: bool) {
+        let mut log = lock(&self.log);
+        log.set_resting(rests);
+        self.rests.store(log.rests(), Ordering::Relaxed);
+    }
+
+    /// Whether commands that are recorded now may go untracked.
+    pub fn rests(&self) -> bool {
+        self.rests.load(Ordering::Relaxed)
     }
 
     /// Takes whether passes that are recognised get the plan's rates.

@@ -1,4 +1,4 @@
-//! The layouts of XR swapchains' images, as the application leaves them.
+//! The layouts of virtual swapchains' images, as the application leaves them.
 //!
 //! By OpenXR an image is COLOR_ATTACHMENT_OPTIMAL when it is released (XR_KHR_vulkan_enable, "Swapchain Image Layout"). Engines exist that
 //! leave it as they last used it, and runtimes that do not mind.
@@ -7,7 +7,7 @@ use ash::vk;
 use smallvec::SmallVec;
 use std::sync::{PoisonError, RwLock};
 
-/// Layouts of the images of a device's XR swapchains, by submitted commands.
+/// Layouts of the images of a device's virtual swapchains, by submitted commands.
 #[derive(Default)]
 pub struct Layouts(RwLock<SmallVec<[(vk::Image, vk::ImageLayout); 16]>>);
 

@@ -198,10 +198,11 @@ unsafe extern "C" fn end_frame(
                     slice(submission.depth, submission.depth_count as usize),
                 )
             };
+            armed.frame.skip(submission.unnoticed);
             if armed.follows_passes() && armed.frame.learns() {
                 armed.frame.shown(&armed.objects, views, flat, depth);
             } else {
-                armed.frame.log().begin_next(&armed.objects);
+                armed.frame.end_unlearned(&armed.objects);
             }
             // SAFETY: the words of the record begin where it says (link.rs).
             unsafe { write_report(armed, report) };
@@ -221,6 +222,7 @@ unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
         report.frame = log.frame();
         report.passes_with_rates = log.with_rates();
         report.eye_passes = log.eye_passes();
+        report.unfollowed = log.unfollowed();
         for (eye, stale) in report.stale.iter_mut().enumerate() {
             // SAFETY: there is room for the words, as `# Safety` demands.
             unsafe { write_stale(&log, eye, stale) };

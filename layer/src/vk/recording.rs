@@ -18,6 +18,7 @@ mod sets;
 pub mod stencil;
 mod timed;
 pub mod transfers;
+mod untracked;
 
 use super::armed::Armed;
 use super::candidates::Candidate;
@@ -35,6 +36,7 @@ use draws::Tally;
 use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 use stencil::StencilTests;
+use untracked::Recordings;
 
 /// Command buffers of all armed devices: their handles are addresses, so that no two live ones are the same.
 static BUFFERS: LazyLock<Table<vk::CommandBuffer, Arc<Buffer>>> = LazyLock::new(Table::default);
@@ -45,6 +47,8 @@ pub struct Buffer {
     pub armed: Arc<Armed>,
     /// Whether it is a primary one.
     pub is_primary: bool,
+    /// Its recordings so far.
+    pub recordings: Recordings,
     recorded: Mutex<Recorded>,
 }
 
@@ -55,7 +59,7 @@ pub struct Recorded {
     pub events: Vec<Event>,
     /// Targets of its passes that may be the scene.
     pub candidates: SmallVec<[Arc<Candidate>; 8]>,
-    /// Images of XR swapchains with the layouts that commands left them in, in the order of those.
+    /// Images of virtual swapchains with the layouts that commands left them in, in the order of those.
     pub layouts: SmallVec<[(vk::Image, vk::ImageLayout); 4]>,
     /// Timestamps around its work.
     pub timer: Timer,
@@ -102,7 +106,8 @@ struct Within {
 
 impl Buffer {
     fn new(armed: Arc<Armed>, is_primary: bool, timer: Timer) -> Self {
-        Self { armed, is_primary, recorded: Mutex::new(Recorded { timer, ..Recorded::default() }) }
+        let recorded = Mutex::new(Recorded { timer, ..Recorded::default() });
+        Self { armed, is_primary, recordings: Recordings::default(), recorded }
     }
 
     /// Whether draws may be recorded in it: within a pass that is known, or in one that goes on from a primary.
@@ -121,9 +126,22 @@ pub fn buffer(handle: vk::CommandBuffer) -> Option<Arc<Buffer>> {
     BUFFERS.get(handle)
 }
 
+/// A live command buffer of an armed device; `None` if its commands are not tracked.
+pub fn tracked(handle: vk::CommandBuffer) -> Option<Arc<Buffer>> {
+    buffer(handle).filter(|known| !known.recordings.is_untracked())
+}
+
+/// Forgets a command buffer that is about to be freed.
+fn forget(handle: vk::CommandBuffer) {
+    if BUFFERS.remove(handle).is_none_or(|known| known.recordings.is_untracked()) {
+        untracked::forget_threads();
+    }
+}
+
 /// Forgets the command buffers of a device that is about to be destroyed.
 pub fn forget_device(armed: &Arc<Armed>) {
     drop(BUFFERS.remove_where(|_, buffer| Arc::ptr_eq(&buffer.armed, armed)));
+    untracked::forget_threads();
 }
 
 impl Recorded {
@@ -270,12 +288,32 @@ impl Recorded {
 }
 
 /// A command buffer with the next layer's function that `choose` names. What is kept of it is missing where its device is
-/// not armed, or it did not come through this layer.
+/// not armed, it did not come through this layer, or its commands are not tracked.
 ///
 /// # Safety
 ///
 /// `handle` is a live command buffer.
 pub unsafe fn with_buffer<F>(
+    handle: vk::CommandBuffer,
+    choose: impl FnOnce(&ArmedTable) -> Option<F>,
+) -> Option<(Option<Arc<Buffer>>, F)> {
+    if untracked::is_here(handle) {
+        // SAFETY: the handle is live, as `# Safety` demands.
+        if let Some(armed) = unsafe { draws::quick(handle) } {
+            return Some((None, choose(&armed.next)?));
+        }
+    }
+    // SAFETY: as above.
+    let (known, next) = unsafe { with_any(handle, choose) }?;
+    Some((known.filter(|known| !known.recordings.is_untracked()), next))
+}
+
+/// The same, whether or not its commands are tracked.
+///
+/// # Safety
+///
+/// `handle` is a live command buffer.
+unsafe fn with_any<F>(
     handle: vk::CommandBuffer,
     choose: impl FnOnce(&ArmedTable) -> Option<F>,
 ) -> Option<(Option<Arc<Buffer>>, F)> {

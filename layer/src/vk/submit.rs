@@ -97,6 +97,13 @@ unsafe fn prepare(
     let mut touched = Outdated::new();
     let mut followed = Outdated::new();
     for buffer in buffers.filter_map(recording::buffer) {
+        let is_first = buffer.recordings.submit();
+        if buffer.recordings.is_untracked() {
+            if is_first && is_followed && !armed.frame.rests() {
+                armed.frame.log().miss();
+            }
+            continue;
+        }
         let recorded = buffer.recorded();
         if is_followed {
             for (image, layout) in &recorded.layouts {

@@ -47,10 +47,17 @@ pub unsafe extern "system" fn wait(
     let below = || unsafe { (next.wait_frame)(handle, info, state) };
     guard("xrWaitFrame", below, |answer| {
         if let Some(known) = &known {
-            known.instance.config.poll(Instant::now());
+            let now = Instant::now();
+            let is_edited = known.instance.config.poll(now);
+            let sleep = known.active.as_ref().map(|active| &active.plan.sleep);
+            if let Some(sleep) = sleep.filter(|_| is_edited) {
+                sleep.wake();
+            }
+            let is_asleep = sleep.is_some_and(|sleep| sleep.is_asleep());
             let config = known.instance.config.snapshot();
-            if known.active.is_some() || (known.offer.is_some() && config.gaze.offer) {
-                known.gaze.open(&config, known.actions.may_have_gaze(), Instant::now());
+            let may_look = known.active.is_some() || (known.offer.is_some() && config.gaze.offer);
+            if may_look && !is_asleep {
+                known.gaze.open(&config, known.actions.may_have_gaze(), now);
             }
         }
         let result = answer.record(below());
@@ -93,6 +100,14 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
+    if let Some(known) = known.as_ref().filter(|known| known.sleeps_through()) {
+        // SAFETY: the next layer's function with the application's own arguments.
+        let below = || unsafe { (next.end_frame)(handle, info) };
+        return guard("xrEndFrame", below, |answer| {
+            let _section = known.runtime_section();
+            answer.record(below())
+        });
+    }
     let mut placed = None;
     // SAFETY: valid usage: `info` and what it points to are valid.
     attempt("layers that the gaze moves", || placed = unsafe { PlacedLayers::of(info) });
@@ -166,7 +181,7 @@ impl FrameEnd<'_> {
         let time = submission.time;
         session.actions.frame_ended(session, config, time);
         let mut report = active.report();
-        report::end_frame(&active.device, submission, &mut report);
+        report::end_frame(&active.device, submission, active.plan.sleep.unended(), &mut report);
         active.take_over_decisions(report.decisions);
         plan::frame_ended(active, config, time, &report);
         if let Some(scene) = submission.scene() {
@@ -177,6 +192,7 @@ impl FrameEnd<'_> {
         if let Some(reporter) = session.reporter.as_ref().filter(|reporter| reporter.is_asked()) {
             reporter.report(plan::status(session, active, config, &report), Arc::clone(&config.source));
         }
+        plan::fall_asleep(session, (active, config), time, report.unfollowed);
         delivered
     }
 }

@@ -6,10 +6,12 @@
 //! locate may wait for another process. No lock of ours is held meanwhile. The plan itself is made by a thread of ours, or by the first
 //! call that needs it: the submit of a pass with a map, or xrEndFrame.
 
+mod sleep;
 mod thread;
 mod views;
 mod work;
 
+pub use sleep::fall_asleep;
 pub use views::{head_in_layer, locate_views, views_shown};
 pub use work::PlanWork;
 
@@ -31,6 +33,7 @@ use crate::status::{
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
+use sleep::Sleep;
 use smallvec::SmallVec;
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
@@ -56,6 +59,8 @@ pub struct SessionPlan {
     /// Since when recognition is quiet.
     quiet: Mutex<Quiet>,
     has_looked: AtomicBool,
+    /// The frames that go by unnoticed.
+    pub sleep: Sleep,
 }
 
 /// The frame that xrBeginFrame began last.
@@ -83,6 +88,7 @@ impl SessionPlan {
             frame: Mutex::new(Frame { config, time: None, is_located: false, later: None }),
             quiet: Mutex::default(),
             has_looked: AtomicBool::new(false),
+            sleep: Sleep::default(),
         }
     }
 
@@ -114,6 +120,11 @@ impl SessionPlan {
     /// Ends its thread, before the session is destroyed.
     pub fn end(&self) {
         self.thread.end();
+    }
+
+    /// The gates.
+    fn benefit(&self) -> MutexGuard<'_, Benefit> {
+        self.benefit.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The source of sound.
@@ -148,7 +159,7 @@ impl SessionPlan {
     /// Tells the Vulkan half the settings of the configuration and of the gates where they are new.
     pub fn notify_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {
-            let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut benefit = self.benefit();
             benefit.set_mode(gate_modes(config));
             (benefit.is_on(), benefit.wants_costs())
         };
@@ -227,7 +238,7 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
         phase,
     };
     let costs = active.gpu_costs(report, is_timed && !on_cpu);
-    let news = state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame, &costs);
+    let news = state.benefit().frame_ended(&frame, &costs);
     if let Some(news) = news {
         tracing::info!("{news}");
     }
@@ -254,7 +265,7 @@ pub fn status(
     state.planning().write_status(config, &mut snapshot);
     session.gaze.write_status(&mut snapshot);
     snapshot.gaze_is_given = session.offer.as_ref().is_some_and(SessionOffer::is_given);
-    let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
+    let benefit = state.benefit();
     let Techniques { rates, reuse } = benefit.gates().gates();
     (snapshot.rates, snapshot.reuse) = (rates.into(), reuse.into());
     snapshot
@@ -279,7 +290,7 @@ pub fn report_unseen(
         return;
     }
     let known = Known {
-        had_maps: state.benefit.lock().unwrap_or_else(PoisonError::into_inner).had_maps(),
+        had_maps: state.benefit().had_maps(),
         has_own_images: !swapchain::virtual_ones(session.handle).is_empty(),
         is_healthy: active.health() == Health::Works && !state.has_failed(),
         decisions: &all_decisions(),
@@ -292,6 +303,7 @@ pub fn report_unseen(
 /// xrBeginFrame succeeded, for the frame that is shown at `time`.
 pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let state = &active.plan;
+    let Some(count) = state.sleep.frame_begins() else { return };
     let config = session.instance.config.snapshot();
     let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false, later: None };
     let last = std::mem::replace(&mut *state.frame(), frame);
@@ -301,7 +313,7 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
         if let Some(views) = last.later {
             planning.views.located(&views);
         }
-        planning.frame_begins(time.as_nanos());
+        planning.frame_begins(time.as_nanos(), count);
     }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !last.is_located {

@@ -72,6 +72,12 @@ impl Session {
         self.active.as_ref().is_some_and(|active| active.device.capabilities.backend != BACKEND_NONE)
     }
 
+    /// Whether a frame that ends goes by unnoticed.
+    pub fn sleeps_through(&self) -> bool {
+        let is_asked = || self.reporter.as_ref().is_some_and(StatusReporter::is_asked);
+        self.active.as_ref().is_some_and(|active| active.plan.sleep.frame_ends(is_asked()))
+    }
+
     /// Marks submits of this thread as the runtime's, while it is in a call down.
     pub fn runtime_section(&self) -> Option<RuntimeSection> {
         Some(self.active.as_ref()?.device.runtime_section())

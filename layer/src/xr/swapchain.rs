@@ -119,7 +119,7 @@ impl Swapchain {
 
     fn notify(&self, images: &[vk::Image]) {
         let Some(active) = &self.session.active else { return };
-        let record = self.description.record(self.handle.into_raw(), images);
+        let record = self.description.record(self.handle.into_raw(), images, self.substitute.is_some());
         // SAFETY: the record points to `images`.
         unsafe { active.device.notify_swapchain(&record) };
     }

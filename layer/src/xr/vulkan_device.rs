@@ -154,6 +154,7 @@ impl VulkanDevice {
             passes_with_rates: 0,
             eye_passes: 0,
             decisions: 0,
+            unfollowed: 0,
             time_count: 0,
             times: [FrameTimeRecord::default(); MOST_FRAME_TIMES],
             stale: report.words.each_mut().map(stale_record),
@@ -165,6 +166,7 @@ impl VulkanDevice {
         report.passes_with_rates = record.passes_with_rates;
         report.eye_passes = record.eye_passes;
         report.decisions = record.decisions;
+        report.unfollowed = record.unfollowed;
         report.times.clear();
         report.times.extend(record.times.into_iter().take(record.time_count as usize));
         for (eye, stale) in record.stale.into_iter().enumerate() {
@@ -258,6 +260,8 @@ pub struct FrameReport {
     pub eye_passes: u32,
     /// Number of decisions so far.
     pub decisions: u32,
+    /// Frames from the next one on whose passes the Vulkan half does not follow.
+    pub unfollowed: u32,
     /// GPU times of earlier frames that became known.
     pub times: SmallVec<[FrameTimeRecord; MOST_FRAME_TIMES]>,
     /// Stale tiles of the left and of the right eye's image.

@@ -3,7 +3,8 @@
 mod measurement;
 
 use crate::status::{self, Watched};
-use parafovea_manifest::status::{Found, Osc, Status};
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{Found, Osc, Status, watch_gaze};
 use serde_json::json;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -39,7 +40,22 @@ pub fn gaze(options: Options) -> ExitCode {
         Some(Command::Calibrate(options)) => return measurement::calibrate(options),
         None => {}
     }
-    status::watch(application.as_deref(), once, json, Watched { text: of_all, json: as_json })
+    let environment = Environment::of_process(false);
+    let watch = |found: &[Found]| {
+        for found in found.iter().filter(|_| !once) {
+            // An application that rests is shown with the tracker's figures of each second.
+            let _ = watch_gaze(&environment, found.status.pid);
+        }
+    };
+    let text = |found: &[Found]| {
+        watch(found);
+        of_all(found)
+    };
+    let json_lines = |found: &[Found]| {
+        watch(found);
+        as_json(found)
+    };
+    status::watch(application.as_deref(), once, json, Watched { text, json: json_lines })
 }
 
 /// Applications that are active.

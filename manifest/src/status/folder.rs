@@ -1,7 +1,7 @@
 //! The folder with the files.
 
 use super::request::request_file;
-use super::{FRESH_S, Status, correction, view};
+use super::{FRESH_S, Status, correction, view, watch};
 use crate::paths::Environment;
 use crate::private_file;
 use std::fs::{self, DirBuilder, File};
@@ -17,7 +17,7 @@ const MAX_BYTES: u64 = 1 << 18;
 const FORGOTTEN: Duration = Duration::from_secs(60);
 
 /// The kinds of requests, which are extensions of their files.
-const REQUESTS: [&str; 2] = [view::KIND, correction::KIND];
+const REQUESTS: [&str; 3] = [view::KIND, correction::KIND, watch::KIND];
 
 /// The file of a process; it goes when this is dropped.
 #[derive(Debug)]

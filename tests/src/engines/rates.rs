@@ -65,7 +65,7 @@ fn maps(eyes: [&Eye; 2], preset: Preset) -> Option<[Map; 2]> {
     planning
         .views
         .shown(&[0, 1].map(|index: usize| ShownView { view: views[index], extent: extents[index] }));
-    planning.frame_begins(0);
+    planning.frame_begins(0, 1);
     if !planning.plan(&config, false, Quat::IDENTITY, 0) {
         return None;
     }

@@ -186,7 +186,7 @@ impl Rings {
         let mut planning = Planning::new(Capabilities::from(&offer));
         planning.views.located(&[view; 2]);
         planning.views.shown(&[ShownView { view, extent: [size; 2] }; 2]);
-        planning.frame_begins(0);
+        planning.frame_begins(0, 1);
         assert!(planning.plan(&config, false, Quat::IDENTITY, 0));
         let record = planning.new_rates(&config, || 1).unwrap();
         let eye = record.eyes[0];

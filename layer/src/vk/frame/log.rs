@@ -12,6 +12,9 @@ use std::sync::Arc;
 /// An application that does more than this in a frame, or shows no frames, is not followed further.
 const MOST_EVENTS: usize = 16_384;
 
+/// Frames by which applications record ahead of the one that they submit.
+const AHEAD: u64 = 2;
+
 /// One frame's events, in the order of their submits.
 #[derive(Default)]
 pub struct Log {
@@ -21,6 +24,8 @@ pub struct Log {
     notes: Notes,
     recognition: Recognition,
     rest: Rest,
+    /// Whether passes were submitted in the frame under way whose commands were not tracked.
+    is_incomplete: bool,
     /// Passes that got the plan's rates, in the frame under way and in the last.
     with_rates: [u32; 2],
     /// Passes that were recognised as an eye's picture, in the frame under way.
@@ -45,6 +50,26 @@ impl Log {
     /// Whether the passes of the frame under way are noted.
     pub fn follows(&self) -> bool {
         self.rest.follows(self.frame) || self.notes.is_wanted()
+    }
+
+    /// Whether commands that are recorded now may go untracked: none of the frames in which they may be submitted is followed.
+    pub fn rests(&self) -> bool {
+        !self.notes.is_wanted() && (0..=AHEAD).all(|ahead| !self.rest.follows(self.frame + ahead))
+    }
+
+    /// Frames from the one under way on in which [`Self::rests`] holds.
+    pub fn unfollowed(&self) -> u32 {
+        if self.notes.is_wanted() { 0 } else { self.rest.unfollowed(self.frame).saturating_sub(AHEAD) as u32 }
+    }
+
+    /// So many frames have gone by in which nobody followed the passes.
+    pub fn skip(&mut self, frames: u32) {
+        self.frame += u64::from(frames);
+    }
+
+    /// Commands are submitted for the first time that were not tracked.
+    pub fn miss(&mut self) {
+        self.is_incomplete = true;
     }
 
     /// Number of the frame under way.
@@ -114,7 +139,7 @@ impl Log {
 
     /// Whether recognition learns from the frame under way.
     pub fn learns(&self) -> bool {
-        self.rest.learns(self.frame) || self.notes.is_wanted()
+        !self.is_incomplete && (self.rest.learns(self.frame) || self.notes.is_wanted())
     }
 
     /// Learns from the frame, and begins the next one.
@@ -131,6 +156,7 @@ impl Log {
         if self.learns() {
             self.last_eye_passes = self.eye_passes.number();
         }
+        self.is_incomplete = false;
         self.events.clear();
         objects.forget_departed();
         self.frame += 1;
@@ -192,5 +218,37 @@ mod tests {
             log.follows()
         });
         assert_eq!(followed.count(), 120, "of ten seconds at 90 Hz");
+    }
+    #[test]
+    fn commands_go_untracked_only_well_ahead_of_samples() {
+        let objects = Objects::default();
+        let mut log = Log::default();
+        let minute = |log: &mut Log| {
+            let count = |_| {
+                let counted = (log.rests(), log.follows());
+                assert_eq!(log.unfollowed() > 0, log.rests());
+                log.begin_next(&objects);
+                counted
+            };
+            (0..5400).map(count).collect::<Vec<_>>()
+        };
+        assert!(minute(&mut log).iter().all(|frame| *frame == (false, true)));
+        log.set_resting(true);
+        let frames = minute(&mut log);
+        assert_eq!(frames.iter().filter(|(rests, _)| *rests).count(), 60 * (90 - 12 - AHEAD as usize));
+        for (frame, (rests, _)) in frames.iter().enumerate() {
+            let submitted = frames.iter().skip(frame).take(1 + AHEAD as usize);
+            assert!(!rests || submitted.into_iter().all(|(_, follows)| !follows), "frame {frame}");
+        }
+    }
+
+    #[test]
+    fn recognition_does_not_learn_from_a_frame_with_untracked_commands() {
+        let objects = Objects::default();
+        let mut log = Log::default();
+        log.miss();
+        assert!(log.follows() && !log.learns());
+        log.begin_next(&objects);
+        assert!(log.learns());
     }
 }

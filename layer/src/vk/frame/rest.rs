@@ -28,6 +28,12 @@ impl Rest {
         self.in_sample(frame).is_none_or(|place| place < SAMPLE)
     }
 
+    /// Frames from `frame` on that are not followed.
+    pub fn unfollowed(self, frame: u64) -> u64 {
+        let place = self.in_sample(frame).filter(|place| *place >= SAMPLE);
+        place.map_or(0, |place| PERIOD - place)
+    }
+
     /// Whether recognition learns from a frame: all of its passes were noted.
     pub fn learns(self, frame: u64) -> bool {
         self.in_sample(frame).is_none_or(|place| (1..SAMPLE).contains(&place))
@@ -65,6 +71,10 @@ mod tests {
         rest.set(true, 1000);
         assert_eq!(followed(rest, 1000..1000 + SAMPLE), (SAMPLE, SAMPLE), "maps become 1x1");
         assert_eq!(followed(rest, 1000 + PERIOD..1000 + 11 * PERIOD), (10 * SAMPLE, 10 * (SAMPLE - 1)));
+        for frame in 1000..1000 + 3 * PERIOD {
+            let until = (frame..).find(|frame| rest.follows(*frame)).unwrap();
+            assert_eq!(rest.unfollowed(frame), until - frame);
+        }
         rest.set(true, 5000);
         assert!(!rest.follows(1000 + PERIOD - 1), "it has rested since frame 1000");
         rest.set(false, 5000);

@@ -101,7 +101,7 @@ pub unsafe extern "system" fn bind_shaders(
         device::with,
         cmd_bind_shaders(buffer, count, stages, shaders),
         |known, next| {
-            let masked = known.masks().zip(super::buffer(buffer));
+            let masked = known.masks().zip(super::tracked(buffer));
             if let Some((_, recording)) = &masked {
                 // SAFETY: the command buffer is recording, by valid usage.
                 unsafe { drawing::leave(recording, buffer) };

@@ -1,9 +1,9 @@
 //! Command pools and command buffers.
 
-use super::{BUFFERS, Buffer, buffer, draws, timed, with_buffer};
+use super::{BUFFERS, Buffer, buffer, draws, forget, timed, tracked, untracked, with_any, with_buffer};
 use crate::abi::copies::slice;
 use crate::vk::armed::Armed;
-use crate::vk::device;
+use crate::vk::{device, runtime_section};
 use ash::vk;
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ pub unsafe extern "system" fn destroy_pool(
                 && let Some(known_pool) = armed.objects.remove_pool(pool)
             {
                 armed.timing.remove_pool(pool);
-                known_pool.buffers().iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
+                known_pool.buffers().iter().for_each(|&freed| forget(freed));
             }
             next();
         }
@@ -103,6 +103,10 @@ fn note_allocated(
     info: &vk::CommandBufferAllocateInfo<'_>,
     allocated: &[vk::CommandBuffer],
 ) {
+    // Command buffers of the runtime have no masks. With rate attachments, their passes have maps that must be initialised.
+    if armed.rate_attachments.is_none() && runtime_section::in_runtime_section() {
+        return;
+    }
     let Some(pool) = armed.objects.pool(info.command_pool) else { return };
     pool.buffers().extend_from_slice(allocated);
     let is_primary = info.level == vk::CommandBufferLevel::PRIMARY;
@@ -131,11 +135,20 @@ pub unsafe extern "system" fn free(
                 // SAFETY: valid usage demands `count` command buffers, or null.
                 let freed = unsafe { slice(buffers, count) };
                 known_pool.buffers().retain(|live| !freed.contains(live));
-                freed.iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
+                freed.iter().for_each(|&freed| forget(freed));
             }
             next();
         }
     );
+}
+
+impl Buffer {
+    /// Whether its commands may go untracked now. A rate attachment without content would have to be initialised, secondaries count for the
+    /// passes of others, and layouts of images of virtual swapchains are needed in each frame.
+    fn may_rest(&self) -> bool {
+        let armed = &self.armed;
+        self.is_primary && armed.rate_attachments.is_none() && armed.frame.rests() && armed.layouts.is_empty()
+    }
 }
 
 /// `vkBeginCommandBuffer`, which resets it.
@@ -143,14 +156,24 @@ pub unsafe extern "system" fn begin(
     handle: vk::CommandBuffer,
     info: *const vk::CommandBufferBeginInfo<'_>,
 ) -> vk::Result {
-    hook!("vkBeginCommandBuffer", with_buffer, begin_command_buffer(handle, info), |known, next| {
+    hook!("vkBeginCommandBuffer", with_any, begin_command_buffer(handle, info), |known, next| {
         let result = next();
-        if let Some(known) = known {
-            draws::recording_begins(handle);
-            let mut recorded = known.recorded();
-            recorded.clear();
+        let Some(known) = known else {
+            untracked::begin_here(handle);
+            return result;
+        };
+        {
             // SAFETY: the pointer is valid, by valid usage.
-            recorded.timer.recorded_with(unsafe { (*info).flags });
+            let flags = unsafe { (*info).flags };
+            let was_tracked = !known.recordings.is_untracked();
+            let is_tracked = known.recordings.begin(handle, flags, known.may_rest());
+            if is_tracked || was_tracked {
+                known.recorded().clear();
+            }
+            if is_tracked {
+                draws::recording_begins(handle);
+                known.recorded().timer.recorded_with(flags);
+            }
         }
         result
     })
@@ -195,7 +218,7 @@ pub unsafe extern "system" fn execute(
             // SAFETY: valid usage demands `count` command buffers.
             for secondary in unsafe { slice(secondaries, count) } {
                 // Whoever records a command buffer that is executed breaks the rules, and must not lock up.
-                if let Some(secondary) = buffer(*secondary)
+                if let Some(secondary) = tracked(*secondary)
                     && let Ok(secondary) = secondary.recorded.try_lock()
                 {
                     recorded.execute(&secondary);

@@ -7,13 +7,12 @@ mod hooks;
 mod quick;
 
 pub use hooks::*;
-pub use quick::{device_ends, device_made};
+pub use quick::{device_ends, device_made, quick};
 
-use super::{Buffer, buffer};
+use super::{Buffer, buffer, untracked};
 use crate::pass_detection::{Draws, Reads};
 use ash::vk;
 use ash::vk::Handle;
-use quick::quick;
 use std::cell::Cell;
 use std::ptr;
 
@@ -144,6 +143,7 @@ impl Open {
 /// The outcome of counting a draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Counted {
+    /// The draw is counted, or is not to be.
     Done,
     /// The bound sets have to be told first.
     Untold,
@@ -157,7 +157,7 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
     let raw = handle.as_raw();
     let add = |open: &Open| {
         if open.handle.get() != raw {
-            return Counted::Elsewhere;
+            return if untracked::is_here(handle) { Counted::Done } else { Counted::Elsewhere };
         }
         if open.may_read.get() && !open.told[usize::from(more.meshes > 0)].get() {
             return Counted::Untold;
@@ -199,6 +199,9 @@ pub fn recording_begins(handle: vk::CommandBuffer) {
 pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::DescriptorSet]) {
     // SAFETY: the handle is live, as `# Safety` demands.
     let Some(armed) = (unsafe { quick(handle) }) else { return };
+    if untracked::is_here(handle) {
+        return;
+    }
     let descriptors = &armed.objects.descriptors;
     let raw = handle.as_raw();
     let _ = OPEN.try_with(|open| {

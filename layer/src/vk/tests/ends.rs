@@ -58,6 +58,7 @@ fn what_is_kept_for_images_that_only_a_swapchain_tells_of_goes_with_it() {
         samples: 1,
         usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
         granted: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        is_virtual: 0,
     };
     armed.notify_swapchain(&record, &images);
     let image = armed.objects.image(images[0]).unwrap().description.key;

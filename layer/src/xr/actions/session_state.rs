@@ -165,6 +165,18 @@ impl SessionActions {
         }
     }
 
+    /// Whether [`Self::frame_ended`] need not be called for a while: nothing of ours has still to be attached.
+    pub fn is_settled(&self, session: &Session) -> bool {
+        let state = self.state();
+        match state.attachment {
+            Attachment::Not => session.instance.actions.application().is_there(),
+            Attachment::WithApplication { .. } => {
+                state.is_synchronised || state.waited_frames > PATIENCE_FRAMES
+            }
+            Attachment::Alone { .. } | Attachment::Never => true,
+        }
+    }
+
     fn due(&self, session: &Session, config: &Config, time: xr::Time) -> Due {
         let after_ns = i64::from(config.gaze.attach_alone_after_s) * 1_000_000_000;
         let mut state = self.state();

@@ -68,7 +68,7 @@ impl Description {
     }
 
     /// The record for these images, to which it points.
-    pub fn record(&self, swapchain: u64, images: &[vk::Image]) -> SwapchainRecord {
+    pub fn record(&self, swapchain: u64, images: &[vk::Image], is_virtual: bool) -> SwapchainRecord {
         SwapchainRecord {
             swapchain,
             images: images.as_ptr(),
@@ -79,6 +79,7 @@ impl Description {
             samples: self.samples,
             usage: self.usage,
             granted: self.granted,
+            is_virtual: u32::from(is_virtual),
         }
     }
 }

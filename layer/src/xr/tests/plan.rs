@@ -10,10 +10,11 @@ use super::fake::frames::{
     self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, HEAD_LOCATED, IMAGES, IN_LOCATE, SAMPLE_AGE_NS,
     VIEWS, fov, pose,
 };
-use super::fake::vulkan_half::{self, DECISIONS, GPU_NS, PASSES, STALE_WORDS, Told, calls, told};
+use super::fake::vulkan_half::{self, DECISIONS, GPU_NS, PASSES, STALE_WORDS, Told, UNFOLLOWED, calls, told};
 use super::{create_instance, fake};
-use crate::config::{Config, RatesBackend};
+use crate::config::{Config, ConfigSnapshot, RatesBackend};
 use crate::link::{BACKEND_ANY, BACKEND_NONE, NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
+use crate::status::StatusSnapshot;
 use crate::status::{Topic, all_decisions};
 use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use crate::xr::{actions, frame, instance, plan, session, spaces, swapchain};

@@ -33,7 +33,7 @@ fn task(config: &Arc<ConfigSnapshot>, frame: i64, expected: SmallVec<[View; 4]>)
 fn frames(thread: &PlanThread, first: i64, pause: Duration) {
     let config = Arc::new(ConfigSnapshot::of_tests(Config::default()));
     for frame in first..first + 40 {
-        thread.work().planning().frame_begins(frame * FRAME_NS);
+        thread.work().planning().frame_begins(frame * FRAME_NS, 1);
         assert!(!thread.work().planning().is_planned(), "frame {frame}");
         thread.begin(task(&config, frame, smallvec![VIEW; 2]));
         std::thread::sleep(pause);
@@ -56,7 +56,7 @@ fn several_threads_may_need_a_plan() {
     let thread = thread();
     let config = Arc::new(ConfigSnapshot::of_tests(Config::default()));
     for frame in 1..=40 {
-        thread.work().planning().frame_begins(frame * FRAME_NS);
+        thread.work().planning().frame_begins(frame * FRAME_NS, 1);
         thread.begin(task(&config, frame, SmallVec::new()));
         std::thread::scope(|scope| {
             for _ in 0..4 {
@@ -73,7 +73,7 @@ fn a_session_that_ended_plans_on_the_calling_thread() {
     thread.end();
     thread.end();
     let config = Arc::new(ConfigSnapshot::of_tests(Config::default()));
-    thread.work().planning().frame_begins(41 * FRAME_NS);
+    thread.work().planning().frame_begins(41 * FRAME_NS, 1);
     thread.begin(task(&config, 41, SmallVec::new()));
     assert!(thread.shared.work.planning().is_planned());
 }
@@ -83,7 +83,7 @@ fn planning_that_failed_is_not_tried_again() {
     let thread = thread();
     let config = Arc::new(ConfigSnapshot::of_tests(Config::default()));
     thread.work().fail();
-    thread.work().planning().frame_begins(FRAME_NS);
+    thread.work().planning().frame_begins(FRAME_NS, 1);
     thread.begin(task(&config, 1, smallvec![VIEW; 2]));
     thread.finish_sorting();
     assert!(!thread.work().planning().is_planned());

@@ -45,6 +45,60 @@ fn rates_that_take_a_gpu_longer_are_dropped() {
     GPU_NS.set(None);
 }
 
+/// Frames; how often the eye tracker was asked in them, and how often the Vulkan half was told of an end.
+fn noticed(application: &Application, frames: u32) -> [usize; 2] {
+    GAZE_LOCATED.set(0);
+    calls();
+    (0..frames).for_each(|_| application.frame());
+    [GAZE_LOCATED.get(), calls().into_iter().filter(|call| *call == "end_frame").count()]
+}
+
+#[test]
+fn frames_go_by_unnoticed_while_every_technique_is_dropped() {
+    GPU_NS.set(Some([5_000_000, 7_000_000]));
+    PASSES.set(2);
+    let application = Application::new();
+    let session = session::find(application.session).unwrap();
+    look(0.0);
+    assert_eq!(noticed(&application, 400)[1], 400, "trials");
+    session.actions.application_synchronises();
+    assert_eq!(noticed(&application, 90), [90; 2], "passes are followed");
+    let hz = || {
+        let mut snapshot = StatusSnapshot::default();
+        let active = session.active.as_ref().unwrap();
+        active.plan.planning().write_status(&Config::default(), &mut snapshot);
+        snapshot.frame_rate_hz
+    };
+    let before = hz();
+    UNFOLLOWED.set(30);
+    assert_eq!(noticed(&application, 1), [1; 2]);
+    assert_eq!(noticed(&application, 29), [0; 2]);
+    assert_eq!(noticed(&application, 1), [1; 2]);
+    assert!((hz() - before).abs() < 0.1, "{} of {before} Hz", hz());
+    assert_eq!(noticed(&application, 300)[1], 10);
+
+    // An edit of the configuration is noticed, and a gaze that is recorded is never missed.
+    let config = Config::default();
+    session.instance.config.set(config);
+    session.active.as_ref().unwrap().plan.sleep.wake();
+    let mut watched = ConfigSnapshot::of_tests(config);
+    watched.is_gaze_watched = true;
+    session.instance.config.set_snapshot(watched);
+    assert_eq!(noticed(&application, 90), [90; 2]);
+    UNFOLLOWED.set(0);
+    GPU_NS.set(None);
+}
+
+#[test]
+fn no_frame_goes_by_unnoticed_while_rates_are_on() {
+    UNFOLLOWED.set(30);
+    PASSES.set(2);
+    let application = Application::new();
+    look(0.0);
+    assert_eq!(noticed(&application, 400)[1], 400);
+    UNFOLLOWED.set(0);
+}
+
 #[test]
 fn a_report_has_the_stale_tiles_of_each_eye() {
     let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
@@ -59,6 +113,7 @@ fn a_report_has_the_stale_tiles_of_each_eye() {
             flat_count: 0,
             depth: ptr::null(),
             depth_count: 0,
+            unnoticed: 0,
         };
         // SAFETY: a submission of no layers.
         unsafe { device.end_frame(&nothing, &mut report) };

@@ -1,0 +1,132 @@
+//! Frames that go by unnoticed: the gates keep every technique off, no trial is near, and the Vulkan half follows no passes.
+//!
+//! Such a frame makes no plan, asks no eye tracker and has no crossing. It ends early for an edit of the configuration, and for the status.
+
+use super::SessionPlan;
+use crate::config::ConfigSnapshot;
+use crate::xr::session::{Active, Health, Session};
+use crate::xr::swapchain;
+use openxr_sys as xr;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Fewest frames that are worth it.
+const LEAST_FRAMES: u32 = 8;
+
+/// No trial begins within this time, nanoseconds: longer than a sleep at 30 Hz.
+const NO_TRIAL_NS: i64 = 5_000_000_000;
+
+/// The frames that a session sleeps through.
+#[derive(Debug, Default)]
+pub struct Sleep {
+    left: AtomicU32,
+    /// Frames that began asleep since the last one that did not.
+    unbegun: AtomicU32,
+    /// Frames that ended asleep since the last one that did not.
+    unended: AtomicU32,
+}
+
+impl Sleep {
+    /// Whether the frame under way goes by unnoticed.
+    pub fn is_asleep(&self) -> bool {
+        self.left.load(Ordering::Relaxed) > 0
+    }
+
+    /// The next `frames` go by unnoticed.
+    fn begin(&self, frames: u32) {
+        self.left.store(frames, Ordering::Relaxed);
+    }
+
+    /// No more frames go by unnoticed.
+    pub fn wake(&self) {
+        self.left.store(0, Ordering::Relaxed);
+    }
+
+    /// A frame begins; returns the frames since the last one that was noticed, with this one. `None` if it goes by unnoticed.
+    pub fn frame_begins(&self) -> Option<u32> {
+        if self.is_asleep() {
+            self.unbegun.fetch_add(1, Ordering::Relaxed);
+            return None;
+        }
+        Some(self.unbegun.swap(0, Ordering::Relaxed).saturating_add(1))
+    }
+
+    /// A frame ends; returns whether it goes by unnoticed. With `is_asked`, none does.
+    pub fn frame_ends(&self, is_asked: bool) -> bool {
+        let left = self.left.load(Ordering::Relaxed);
+        if left == 0 || is_asked {
+            self.wake();
+            return false;
+        }
+        self.left.store(left - 1, Ordering::Relaxed);
+        self.unended.fetch_add(1, Ordering::Relaxed);
+        true
+    }
+
+    /// Frames that ended unnoticed since the last call.
+    pub fn unended(&self) -> u32 {
+        self.unended.swap(0, Ordering::Relaxed)
+    }
+}
+
+/// At the end of a frame: the next frames go by unnoticed if nothing in them is of use. The Vulkan half follows no passes in
+/// `unfollowed` frames.
+pub fn fall_asleep(
+    session: &Session,
+    (active, config): (&Active, &ConfigSnapshot),
+    time: xr::Time,
+    unfollowed: u32,
+) {
+    // The last of them is noticed: its end tells the Vulkan half the number of the next frame.
+    let frames = unfollowed.saturating_sub(1);
+    if frames >= LEAST_FRAMES && may_sleep(session, (active, config), time) {
+        active.plan.sleep.begin(frames);
+    }
+}
+
+/// Whether nothing of a frame is of use for now.
+fn may_sleep(session: &Session, (active, config): (&Active, &ConfigSnapshot), time: xr::Time) -> bool {
+    let state = &active.plan;
+    let has_work = || state.planning().has_work(config, active.health() == Health::Works);
+    session.offer.is_none()
+        && !config.is_gaze_watched
+        && config.gaze.record.path().is_none()
+        && state.has_looked.load(Ordering::Relaxed)
+        && state.rests_ns(time) >= NO_TRIAL_NS
+        && session.actions.is_settled(session)
+        && !has_work()
+        && swapchain::virtual_ones(session.handle).is_empty()
+}
+
+impl SessionPlan {
+    /// Time within which no trial of a gate can begin, nanoseconds.
+    fn rests_ns(&self, time: xr::Time) -> i64 {
+        self.benefit().rests_ns(time.as_nanos())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_counted_from_both_ends() {
+        let sleep = Sleep::default();
+        assert_eq!((sleep.frame_begins(), sleep.frame_ends(false), sleep.unended()), (Some(1), false, 0));
+        sleep.begin(2);
+        for _ in 0..2 {
+            assert!(sleep.is_asleep());
+            assert_eq!((sleep.frame_begins(), sleep.frame_ends(false)), (None, true));
+        }
+        assert_eq!((sleep.frame_begins(), sleep.frame_ends(false), sleep.unended()), (Some(3), false, 2));
+    }
+
+    #[test]
+    fn a_sleep_ends_early_for_the_status() {
+        let sleep = Sleep::default();
+        sleep.begin(50);
+        assert_eq!((sleep.frame_begins(), sleep.frame_ends(false)), (None, true));
+        assert_eq!((sleep.frame_begins(), sleep.frame_ends(true)), (None, false));
+        assert_eq!((sleep.unended(), sleep.is_asleep()), (1, false));
+        assert_eq!((sleep.frame_begins(), sleep.frame_ends(false), sleep.unended()), (Some(3), false, 0));
+    }
+}
