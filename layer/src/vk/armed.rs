@@ -7,6 +7,7 @@ use super::layouts::Layouts;
 use super::objects::{Image, Objects};
 use super::perception::Perception;
 use super::pre_submit::{PreSubmitRing, Submitter};
+use super::runtime_section;
 use super::table::Table;
 use super::timing::Timing;
 use crate::backend::Backend;
@@ -97,6 +98,12 @@ impl Armed {
     /// images of XR swapchains.
     pub fn follows_passes(&self) -> bool {
         self.backend.is_some()
+    }
+
+    /// Whether the runtime's own commands and objects on this thread are of no use: a pass of it has no mask, but with rate attachments a map, which must
+    /// be initialised.
+    pub fn ignores_runtime(&self) -> bool {
+        self.rate_attachments.is_none() && runtime_section::in_runtime_section()
     }
 
     /// The capabilities of the device's backend.

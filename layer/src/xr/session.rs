@@ -72,6 +72,11 @@ impl Session {
         self.active.as_ref().is_some_and(|active| active.device.capabilities.backend != BACKEND_NONE)
     }
 
+    /// Whether the frame under way goes by unnoticed.
+    pub fn is_asleep(&self) -> bool {
+        self.active.as_ref().is_some_and(|active| active.plan.sleep.is_asleep())
+    }
+
     /// Whether a frame that ends goes by unnoticed.
     pub fn sleeps_through(&self) -> bool {
         let is_asked = || self.reporter.as_ref().is_some_and(StatusReporter::is_asked);

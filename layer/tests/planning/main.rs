@@ -42,7 +42,7 @@ fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
         position: head * Vec3::X * (-0.64 * cant),
         fov,
     });
-    planning.frame_begins(time_ns);
+    planning.frame_begins(time_ns, 1);
     planning.views.located(&views);
     let direction = Quat::from_rotation_y(0.3 * wobble) * Vec3::NEG_Z;
     planning.look(config, Look::At { direction, sampled_ns: time_ns - 50_000_000 }, head, time_ns);

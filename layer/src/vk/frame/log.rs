@@ -213,11 +213,11 @@ mod tests {
         assert!(sets[0] != 0 && sets.iter().all(|set| *set == sets[0]));
         log.set_resting(true);
         assert_eq!(eye_passes_of_a_minute(&mut log), sets);
-        let followed = (0..900).filter(|_| {
+        let followed = (0..2700).filter(|_| {
             log.begin_next(&Objects::default());
             log.follows()
         });
-        assert_eq!(followed.count(), 120, "of ten seconds at 90 Hz");
+        assert_eq!(followed.count(), 120, "of half a minute at 90 Hz");
     }
     #[test]
     fn commands_go_untracked_only_well_ahead_of_samples() {
@@ -235,7 +235,7 @@ mod tests {
         assert!(minute(&mut log).iter().all(|frame| *frame == (false, true)));
         log.set_resting(true);
         let frames = minute(&mut log);
-        assert_eq!(frames.iter().filter(|(rests, _)| *rests).count(), 60 * (90 - 12 - AHEAD as usize));
+        assert_eq!(frames.iter().filter(|(rests, _)| *rests).count(), 20 * (270 - 12 - AHEAD as usize));
         for (frame, (rests, _)) in frames.iter().enumerate() {
             let submitted = frames.iter().skip(frame).take(1 + AHEAD as usize);
             assert!(!rests || submitted.into_iter().all(|(_, follows)| !follows), "frame {frame}");

@@ -1,7 +1,7 @@
 //! Which frames' passes are followed while the gates rest: no technique is on, and no trial is near.
 
-/// Frames from one sample to the next, of a device that rests: about a second. The gate needs ten to tell that the scene is another.
-const PERIOD: u64 = 90;
+/// Frames from one sample to the next, of a device that rests: about three seconds. The gate takes ten to tell that the scene is another.
+const PERIOD: u64 = 270;
 
 /// Followed frames of a sample: as many as recognition needs for a new graph of passes, and one more, the first, some of whose passes may
 /// have been submitted before it.

@@ -17,7 +17,9 @@ pub unsafe extern "system" fn allocate(
         allocate_descriptor_sets(device, info, sets),
         |known, next| {
             let result = next();
-            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result)
+                && !armed.ignores_runtime()
+            {
                 // SAFETY: the pointer is valid, by valid usage, with so many layouts; the call has written as many sets.
                 let (sets, layouts) = unsafe {
                     let count = (*info).descriptor_set_count;
@@ -46,7 +48,7 @@ pub unsafe extern "system" fn update(
         update_descriptor_sets(device, write_count, writes, copy_count, copies),
         |known, next| {
             next();
-            let Some(armed) = &known.armed else { return };
+            let Some(armed) = known.armed.as_ref().filter(|armed| !armed.ignores_runtime()) else { return };
             // SAFETY: valid usage demands so many writes and copies.
             let (writes, copies) = unsafe { (slice(writes, write_count), slice(copies, copy_count)) };
             let descriptors = &armed.objects.descriptors;

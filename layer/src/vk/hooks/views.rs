@@ -37,7 +37,9 @@ pub unsafe extern "system" fn create(
         |known, next, answer| {
             // SAFETY: the next layer's function, with the application's structure or an amended copy of it.
             let create = |info: *const _| unsafe { next(device, info, allocator, view) };
-            let Some(armed) = &known.armed else { return answer.record(create(info)) };
+            let Some(armed) = known.armed.as_ref().filter(|armed| !armed.ignores_runtime()) else {
+                return answer.record(create(info));
+            };
             // SAFETY: the pointer is valid, by valid usage, for the time of the call.
             let info = unsafe { &*info };
             // SAFETY: as above.

@@ -3,7 +3,7 @@
 use super::{BUFFERS, Buffer, buffer, draws, forget, timed, tracked, untracked, with_any, with_buffer};
 use crate::abi::copies::slice;
 use crate::vk::armed::Armed;
-use crate::vk::{device, runtime_section};
+use crate::vk::device;
 use ash::vk;
 use std::sync::Arc;
 
@@ -103,8 +103,7 @@ fn note_allocated(
     info: &vk::CommandBufferAllocateInfo<'_>,
     allocated: &[vk::CommandBuffer],
 ) {
-    // Command buffers of the runtime have no masks. With rate attachments, their passes have maps that must be initialised.
-    if armed.rate_attachments.is_none() && runtime_section::in_runtime_section() {
+    if armed.ignores_runtime() {
         return;
     }
     let Some(pool) = armed.objects.pool(info.command_pool) else { return };

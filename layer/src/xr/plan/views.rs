@@ -33,9 +33,7 @@ pub unsafe extern "system" fn locate_views(
     let below = |info| unsafe { (next.locate_views)(handle, info, state, capacity, count, views) };
     let pass_through = || below(info);
     guard("xrLocateViews", pass_through, |answer| {
-        let is_asleep =
-            |known: &Arc<Session>| known.active.as_ref().is_some_and(|active| active.plan.sleep.is_asleep());
-        if known.as_ref().is_some_and(is_asleep) {
+        if known.as_ref().is_some_and(|known| known.is_asleep()) {
             return answer.record(below(info));
         }
         // SAFETY: valid usage: `info` is valid.

@@ -181,7 +181,7 @@ pub unsafe extern "system" fn release_image(
     guard("xrReleaseSwapchainImage", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         let Some(substitute) = substitute_of(&known) else {
-            if let Some(known) = &known {
+            if let Some(known) = known.as_ref().filter(|known| !known.session.is_asleep()) {
                 // SAFETY: in this call the queue is the runtime's, hence ours, and until it returns the image is the application's,
                 // which has submitted all that draws to it.
                 attempt("the debug view", || unsafe { draw_over_released(known) });

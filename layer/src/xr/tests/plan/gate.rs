@@ -92,11 +92,13 @@ fn frames_go_by_unnoticed_while_every_technique_is_dropped() {
 #[test]
 fn no_frame_goes_by_unnoticed_while_rates_are_on() {
     UNFOLLOWED.set(30);
+    GPU_NS.set(Some([5_000_000, 3_000_000]));
     PASSES.set(2);
     let application = Application::new();
     look(0.0);
     assert_eq!(noticed(&application, 400)[1], 400);
     UNFOLLOWED.set(0);
+    GPU_NS.set(None);
 }
 
 #[test]
