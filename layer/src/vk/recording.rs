@@ -134,7 +134,7 @@ pub fn tracked(handle: vk::CommandBuffer) -> Option<Arc<Buffer>> {
 /// Forgets a command buffer that is about to be freed.
 fn forget(handle: vk::CommandBuffer) {
     if BUFFERS.remove(handle).is_none_or(|known| known.recordings.is_untracked()) {
-        untracked::forget_threads();
+        untracked::forget(handle);
     }
 }
 

@@ -53,11 +53,11 @@ pub unsafe extern "system" fn wait(
             if let Some(sleep) = sleep.filter(|_| is_edited) {
                 sleep.wake();
             }
-            let is_asleep = sleep.is_some_and(|sleep| sleep.is_asleep());
-            let config = known.instance.config.snapshot();
-            let may_look = known.active.is_some() || (known.offer.is_some() && config.gaze.offer);
-            if may_look && !is_asleep {
-                known.gaze.open(&config, known.actions.may_have_gaze(), now);
+            if !sleep.is_some_and(|sleep| sleep.is_asleep()) {
+                let config = known.instance.config.snapshot();
+                if known.active.is_some() || (known.offer.is_some() && config.gaze.offer) {
+                    known.gaze.open(&config, known.actions.may_have_gaze(), now);
+                }
             }
         }
         let result = answer.record(below());

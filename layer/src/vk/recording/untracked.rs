@@ -83,6 +83,15 @@ pub fn is_here(handle: vk::CommandBuffer) -> bool {
     HERE.get().contains(&(handle.as_raw(), epoch))
 }
 
+/// An untracked command buffer is about to be freed.
+pub fn forget(handle: vk::CommandBuffer) {
+    if is_here(handle) {
+        HERE.set(HERE.get().map(|begun| if begun.0 == handle.as_raw() { (0, 0) } else { begun }));
+    } else {
+        forget_threads();
+    }
+}
+
 /// No thread takes a handle for that of an untracked command buffer any more: its command buffer is tracked from now on, or is gone.
 pub fn forget_threads() {
     EPOCH.fetch_add(1, Ordering::Relaxed);
@@ -125,8 +134,10 @@ mod tests {
         assert_eq!(here(), [true, true, false]);
         begin_here(handles[2]);
         assert_eq!(here(), [false, true, true]);
-        forget_threads();
-        assert_eq!(here(), [false; 3]);
+        forget(handles[1]);
+        assert_eq!(here(), [false, false, true], "the other one is still known");
+        forget(handles[0]);
+        assert_eq!(here(), [false; 3], "a thread may know it");
     }
 
     #[test]
