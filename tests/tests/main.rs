@@ -32,6 +32,7 @@ mod pictures;
 mod pipelines;
 mod rates;
 mod readme;
+mod rest;
 mod reuse;
 mod schedule;
 mod security;
