@@ -161,18 +161,18 @@ pub unsafe extern "system" fn begin(
             untracked::begin_here(handle);
             return result;
         };
-        {
-            // SAFETY: the pointer is valid, by valid usage.
-            let flags = unsafe { (*info).flags };
-            let was_tracked = !known.recordings.is_untracked();
-            let is_tracked = known.recordings.begin(handle, flags, known.may_rest());
-            if is_tracked || was_tracked {
-                known.recorded().clear();
-            }
-            if is_tracked {
-                draws::recording_begins(handle);
-                known.recorded().timer.recorded_with(flags);
-            }
+        // SAFETY: the pointer is valid, by valid usage.
+        let flags = unsafe { (*info).flags };
+        let was_tracked = !known.recordings.is_untracked();
+        let is_tracked = known.recordings.begin(handle, flags, known.may_rest());
+        if is_tracked || was_tracked {
+            known.recorded().clear();
+        }
+        if is_tracked {
+            draws::recording_begins(handle);
+            known.recorded().timer.recorded_with(flags);
+        } else {
+            draws::untracked_begins(handle);
         }
         result
     })

@@ -190,6 +190,28 @@ pub fn recording_begins(handle: vk::CommandBuffer) {
     let _ = OPEN.try_with(|open| open.forget_bound(handle.as_raw(), !is_followed));
 }
 
+/// Recording of a command buffer begins whose commands are not tracked: its draws are counted for nobody.
+pub fn untracked_begins(handle: vk::CommandBuffer) {
+    let raw = handle.as_raw();
+    let took = OPEN.try_with(|open| {
+        open.forget_bound(raw, false);
+        (open.handle.replace(raw), open.counts.replace(Counts::default()))
+    });
+    if let Ok((before, counts)) = took {
+        hand_over(before, counts, raw);
+    }
+}
+
+/// The thread leaves the pass of a command buffer, 0 if none, with these counts, for that of another one.
+fn hand_over(before: u64, counts: Counts, next: u64) {
+    if before != 0
+        && before != next
+        && let Some(other) = buffer(vk::CommandBuffer::from_raw(before))
+    {
+        other.recorded().tally.counts.add(counts);
+    }
+}
+
 /// Sets are bound for drawing from number `first` on.
 ///
 /// # Safety
@@ -245,12 +267,7 @@ fn take_up(of: &Buffer, handle: vk::CommandBuffer, begins: bool) {
         (before, counts, open.thread())
     });
     let Ok((before, counts, thread)) = took else { return };
-    if before != 0
-        && before != raw
-        && let Some(other) = buffer(vk::CommandBuffer::from_raw(before))
-    {
-        other.recorded().tally.counts.add(counts);
-    }
+    hand_over(before, counts, raw);
     let tally = &mut of.recorded().tally;
     if begins {
         *tally = Tally { thread, ..Tally::default() };

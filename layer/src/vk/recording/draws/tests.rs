@@ -25,6 +25,19 @@ fn a_thread_counts_for_the_pass_that_it_records_alone() {
 }
 
 #[test]
+fn draws_of_untracked_commands_need_no_look_up() {
+    let [tracked, untracked] = [5, 6].map(vk::CommandBuffer::from_raw);
+    let more = Counts::of(3, 1);
+    OPEN.with(|open| {
+        open.handle.set(5);
+        open.forget_bound(5, true);
+    });
+    assert_eq!(count(tracked, more), Counted::Untold);
+    untracked_begins(untracked);
+    assert_eq!([count(untracked, more), count(tracked, more)], [Counted::Done, Counted::Elsewhere]);
+}
+
+#[test]
 fn what_is_bound_is_told_once_by_kind_of_draw() {
     let this = vk::CommandBuffer::from_raw(3);
     let [quad, mesh] = [Counts::of(3, 1), Counts::of(30, 1)];
