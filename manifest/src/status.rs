@@ -104,6 +104,8 @@ pub enum Topic {
     Unseen,
     /// Draws in passes of the scene that stay at 1x1.
     FullRate,
+    /// Images of earlier frames that passes read, so that nothing is re-used.
+    Feedback,
     /// A topic of a later version.
     #[default]
     #[serde(other)]

@@ -21,6 +21,7 @@ pub mod native;
 pub mod osc;
 pub mod overhead;
 pub mod picture;
+pub mod planted;
 pub mod progress;
 pub mod record;
 pub mod run;

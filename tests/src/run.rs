@@ -17,9 +17,9 @@ use outcome::Folder;
 use parafovea_manifest::install::{AUDIO_LIBRARY_NAME, LIBRARY_NAME};
 use parafovea_test_layers::validation::VALIDATION_LAYER;
 use parafovea_test_layers::{
-    COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, FAULT_FILE_VARIABLE, FAULT_VARIABLE, SAMPLES_FILE_VARIABLE,
-    SHADING_RATE_FILE_VARIABLE, SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile, TIMES_FILE_VARIABLE,
-    TestLayer, VulkanFault,
+    COSTS_FILE_VARIABLE, COSTS_VARIABLE, COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, FAULT_FILE_VARIABLE,
+    FAULT_VARIABLE, PlantedCosts, SAMPLES_FILE_VARIABLE, SHADING_RATE_FILE_VARIABLE,
+    SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile, TIMES_FILE_VARIABLE, TestLayer, VulkanFault,
 };
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -241,6 +241,13 @@ impl Run {
         text.into_iter().fold(run, |run, text| run.env(FAULT_VARIABLE, text))
     }
 
+    /// Plants the GPU time of frames, directly below ours, and runs no command of them; [`Outcome::costs`] has the frames.
+    pub fn planted(mut self, costs: &PlantedCosts) -> Self {
+        self.test_layers.insert(0, TestLayer::Costs);
+        // Structures of numbers always serialise.
+        self.env(COSTS_VARIABLE, serde_json::to_string(costs).unwrap_or_default())
+    }
+
     /// Makes the runtime choose the first device whose name has this in it.
     pub fn device(mut self, name: &str) -> Self {
         name.clone_into(&mut self.scenario.vulkan.device);
@@ -336,6 +343,7 @@ impl Run {
         command.env(SAMPLES_FILE_VARIABLE, folder.path().join(SAMPLES_FILE));
         command.env(FAULT_FILE_VARIABLE, folder.path().join(FAULT_FILE));
         command.env(TIMES_FILE_VARIABLE, folder.path().join(TIMES_FILE));
+        command.env(COSTS_FILE_VARIABLE, folder.path().join(COSTS_FILE));
         command.env(SHADING_RATE_FILE_VARIABLE, folder.path().join(SHADING_RATE_FILE));
         command.envs(self.compiles_at_once.then_some((COMPILE_AT_ONCE_VARIABLE, "1")));
         command.envs(self.environment.iter().map(|(name, value)| (name, value)));
@@ -397,6 +405,9 @@ const FAULT_FILE: &str = "faults.jsonl";
 
 /// Where the layer that times command buffers writes.
 const TIMES_FILE: &str = "times.jsonl";
+
+/// Where the layer that plants costs writes.
+const COSTS_FILE: &str = "costs.jsonl";
 
 /// Where the layer that stands in for shading rates writes, in the run's folder.
 const SHADING_RATE_FILE: &str = "shading_rates.jsonl";

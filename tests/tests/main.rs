@@ -30,6 +30,7 @@ mod overhead;
 mod panics;
 mod pictures;
 mod pipelines;
+mod planted;
 mod rates;
 mod readme;
 mod rest;

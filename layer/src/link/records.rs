@@ -156,6 +156,8 @@ pub struct FrameReportRecord {
     /// A number that tells the set of passes that were recognised as an eye's image, whether rates are on or not, from other sets;
     /// 0: there was none.
     pub eye_passes: u32,
+    /// Whether passes read images of eyes of earlier frames: [`Feedback::number`](crate::pass_detection::Feedback::number).
+    pub feedback: u32,
     /// Number of decisions so far ([`LinkTable::decision`](super::LinkTable::decision)).
     pub decisions: u32,
     /// Frames from the next one on whose passes are not followed, whether or not they end with a record.

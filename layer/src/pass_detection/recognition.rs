@@ -5,6 +5,7 @@
 //! their place among the passes of that shape.
 
 mod candidate;
+mod feedback;
 mod listing;
 mod memory;
 mod pass_history;
@@ -17,6 +18,8 @@ mod trace;
 
 use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
 use crate::status::Topic;
+pub use feedback::Feedback;
+use feedback::FeedbackEvidence;
 use listing::Listing;
 use memory::Memory;
 use parafovea_manifest::options::PassRules;
@@ -40,6 +43,7 @@ pub struct Recognition {
     found_at: Option<u64>,
     /// How many cameras the last unknown reader may have read, and since when it was as many.
     candidates: (usize, u64),
+    feedback: FeedbackEvidence,
     /// When the picture was last seen to be drawn without passes before it.
     drawn_directly_at: Option<u64>,
     rules: PassRules,
@@ -114,6 +118,11 @@ impl Recognition {
     pub fn depth_of(&self, pass: &Pass) -> Option<&Match> {
         let depth = pass.depth.filter(|_| pass.colors.is_empty())?;
         self.pass_history.scene_with_depth(depth)
+    }
+
+    /// Whether the picture of an eye is made of those of earlier frames, as far as the last frames tell.
+    pub fn feedback(&self) -> Feedback {
+        self.feedback.newest(self.frame)
     }
 
     /// News in the listing of passes: a line for each kind of pass with a first or another verdict.
@@ -210,6 +219,8 @@ impl Recognition {
             self.candidates = (told.candidates, self.frame);
         }
         let is_unsure = told.unknown_reader.is_some() && self.frame < self.candidates.1 + STEADY;
+        let least = self.swapchains.least_picture();
+        self.feedback.learn(self.frame, events, (&self.provenance, told), (&mut self.memory, least));
         if told.is_direct {
             self.drawn_directly_at = Some(self.frame);
         }

@@ -34,6 +34,7 @@ impl Decision {
             Topic::NoMask(_) => status::Topic::NoMask,
             Topic::Unseen => status::Topic::Unseen,
             Topic::FullRate => status::Topic::FullRate,
+            Topic::Feedback => status::Topic::Feedback,
         };
         status::Decision { topic, reason: self.topic.reason().to_owned(), line: self.line.clone() }
     }
@@ -58,6 +59,8 @@ pub enum Topic {
     Unseen,
     /// Draws in passes of the scene that stay at 1x1.
     FullRate,
+    /// Images of earlier frames that passes read.
+    Feedback,
 }
 
 impl Topic {
@@ -72,6 +75,7 @@ impl Topic {
             Self::NoMask(_) => 5,
             Self::Unseen => 6,
             Self::FullRate => 7,
+            Self::Feedback => 8,
         }
     }
 
@@ -85,7 +89,8 @@ impl Topic {
             | Self::OtherPass
             | Self::Mask
             | Self::Unseen
-            | Self::FullRate => "",
+            | Self::FullRate
+            | Self::Feedback => "",
         }
     }
 
@@ -100,6 +105,7 @@ impl Topic {
             5 => Self::NoMask(reason.to_owned()),
             6 => Self::Unseen,
             7 => Self::FullRate,
+            8 => Self::Feedback,
             _ => return None,
         })
     }
@@ -213,10 +219,11 @@ mod tests {
             no_mask,
             Topic::Unseen,
             Topic::FullRate,
+            Topic::Feedback,
         ];
         for topic in topics {
             assert_eq!(Topic::from_number(topic.number(), topic.reason()), Some(topic));
         }
-        assert_eq!(Topic::from_number(8, ""), None);
+        assert_eq!(Topic::from_number(9, ""), None);
     }
 }

@@ -104,6 +104,11 @@ fn maps(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
 }
 
 fn reuse(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
+    if snapshot.reuse.is_dropped()
+        && let Some(of_feedback) = known.decisions.iter().rfind(|decision| decision.topic == Topic::Feedback)
+    {
+        return Some(of_feedback.line.trim_start_matches("re-use: ").to_owned());
+    }
     let of_maps = maps(snapshot, known);
     if of_maps.is_some() {
         return of_maps;
@@ -150,7 +155,7 @@ fn is_blind(snapshot: &StatusSnapshot) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{ChromaMode, Preset};
+    use crate::config::{ChromaMode, Preset, ReuseMode};
     use crate::link::BACKEND_RATE_ATTACHMENT;
     use parafovea_core::gate::{GateMode, Gates, Techniques};
 
@@ -231,6 +236,12 @@ mod tests {
         let Techniques { rates, reuse } = gates.gates();
         let dropped = StatusSnapshot { rates: rates.into(), reuse: reuse.into(), ..seen() };
         assert!(why(&config, &dropped, &NONE).contains("dropped by rates.gate"));
+
+        let mut reusing = config;
+        (reusing.rates.mode, reusing.reuse.mode) = (RatesMode::Off, ReuseMode::Paper);
+        let decisions = [decision(Topic::Feedback, "re-use: left alone: a filter")];
+        let line = why(&reusing, &dropped, &Known { decisions: &decisions, ..unmatched });
+        assert!(line.ends_with("re-use: left alone: a filter"), "{line}");
 
         let mut fine = StatusSnapshot { tiles: [0; 16], ..seen() };
         fine.count(&[0, 0]);

@@ -223,6 +223,7 @@ unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
         report.passes_with_rates = log.with_rates();
         report.eye_passes = log.eye_passes();
         report.unfollowed = log.unfollowed();
+        report.feedback = log.feedback().number();
         for (eye, stale) in report.stale.iter_mut().enumerate() {
             // SAFETY: there is room for the words, as `# Safety` demands.
             unsafe { write_stale(&log, eye, stale) };

@@ -1,9 +1,11 @@
 //! Facts of fragment shaders: of live modules, and of modules that only an identifier from an earlier launch names.
 
 pub mod effects;
+mod flow;
 mod known;
 mod modules;
 pub mod parts;
+mod specialization;
 pub mod spirv;
 
 pub use effects::{Effects, FragmentShaders};

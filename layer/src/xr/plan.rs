@@ -21,18 +21,19 @@ use super::session::{Active, Health, Session};
 use super::swapchain;
 use super::vulkan_device::{FrameReport, VulkanDevice};
 use crate::abi::cpu_time::process_cpu_ns;
-use crate::config::{Config, ConfigSnapshot, PassRules, RatesBackend, debug_view, gate_modes};
+use crate::config::{Config, ConfigSnapshot, PassRules, RatesBackend, debug_view, gate_modes, wants_reuse};
 use crate::inputs::audio::AudioInput;
 use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
 };
+use crate::pass_detection::Feedback;
 use crate::planner::{Benefit, Clock, EndedFrame, Planning, View};
 use crate::status::{
     Known, Quiet, StatusSnapshot, Topic, all_decisions, decided, decision_count, why_unseen,
 };
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
-use parafovea_core::gate::Techniques;
+use parafovea_core::gate::{GateMode, Techniques};
 use sleep::Sleep;
 use smallvec::SmallVec;
 use std::ptr;
@@ -61,6 +62,8 @@ pub struct SessionPlan {
     has_looked: AtomicBool,
     /// The frames that go by unnoticed.
     pub sleep: Sleep,
+    /// Whether passes read pictures of earlier frames.
+    feedback: Mutex<Feedback>,
 }
 
 /// The frame that xrBeginFrame began last.
@@ -89,6 +92,7 @@ impl SessionPlan {
             quiet: Mutex::default(),
             has_looked: AtomicBool::new(false),
             sleep: Sleep::default(),
+            feedback: Mutex::default(),
         }
     }
 
@@ -152,6 +156,26 @@ impl SessionPlan {
         [planning.focus(0), planning.focus(1)]
     }
 
+    /// The modes of a configuration; re-use is off where pictures of earlier frames are read.
+    fn gate_modes(&self, config: &Config) -> Techniques<GateMode> {
+        let modes = gate_modes(config);
+        let may_reuse = self.feedback().allows_reuse();
+        Techniques { reuse: if may_reuse { modes.reuse } else { GateMode::Off }, ..modes }
+    }
+
+    fn feedback(&self) -> Feedback {
+        *self.feedback.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes whether passes of the last frame read pictures of earlier frames.
+    fn take_feedback(&self, config: &Config, feedback: Feedback) {
+        let before =
+            std::mem::replace(&mut *self.feedback.lock().unwrap_or_else(PoisonError::into_inner), feedback);
+        if before != feedback && wants_reuse(config) {
+            decided(Topic::Feedback, &feedback);
+        }
+    }
+
     fn has_failed(&self) -> bool {
         self.thread.work_in_progress().has_failed()
     }
@@ -160,7 +184,7 @@ impl SessionPlan {
     pub fn notify_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {
             let mut benefit = self.benefit();
-            benefit.set_mode(gate_modes(config));
+            benefit.set_mode(self.gate_modes(config));
             (benefit.is_on(), benefit.wants_costs())
         };
         let techniques = if self.has_failed() { Techniques::default() } else { pays };
@@ -220,6 +244,7 @@ impl Wanted {
 /// A frame that is shown at `time` ended: its cost goes to the gate, whose answer the next xrBeginFrame tells.
 pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &FrameReport) {
     let state = &active.plan;
+    state.take_feedback(config, report.feedback);
     let time_ns = time.as_nanos();
     let (phase, on_cpu) = {
         let planning = state.planning();

@@ -9,6 +9,7 @@ use crate::link::{
     MOST_FRAME_TIMES, PictureRecord, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord, ShownRecord,
     StaleRecord, SwapchainRecord,
 };
+use crate::pass_detection::Feedback;
 use crate::status::{Decision, Topic};
 use ash::vk;
 use ash::vk::Handle;
@@ -153,6 +154,7 @@ impl VulkanDevice {
             frame: 0,
             passes_with_rates: 0,
             eye_passes: 0,
+            feedback: 0,
             decisions: 0,
             unfollowed: 0,
             time_count: 0,
@@ -165,6 +167,7 @@ impl VulkanDevice {
         report.frame = record.frame;
         report.passes_with_rates = record.passes_with_rates;
         report.eye_passes = record.eye_passes;
+        report.feedback = Feedback::from_number(record.feedback);
         report.decisions = record.decisions;
         report.unfollowed = record.unfollowed;
         report.times.clear();
@@ -258,6 +261,8 @@ pub struct FrameReport {
     pub passes_with_rates: u32,
     /// A number that tells the set of passes that were recognised as an eye's image, whether rates are on or not, from other sets; 0: none.
     pub eye_passes: u32,
+    /// Whether passes read images of eyes of earlier frames.
+    pub feedback: Feedback,
     /// Number of decisions so far.
     pub decisions: u32,
     /// Frames from the next one on whose passes the Vulkan half does not follow.

@@ -69,6 +69,7 @@ Usage: cargo dev TASK, in any folder of the repository
                         models (cost and accuracy of the models),
                         overhead (cost of the layer; with --driver NAME [CASE...], on one of Mesa's hardware drivers, with a release
                         build),
+                        planted (decisions of the benefit gate on a rendering style whose frames have planted costs),
                         recognition (precision and recall on frame graphs of engines),
                         reuse (errors of temporal re-use during head rotation),
                         safety (shading and loss of contrast while the eyes move),

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 13] = [
+const BENCHES: [(&str, &str); 14] = [
     ("break-even", "parafovea-tests"),
     ("budget", "parafovea-models"),
     ("detail", "parafovea-tests"),
@@ -21,6 +21,7 @@ const BENCHES: [(&str, &str); 13] = [
     ("kernels", "parafovea-layer"),
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),
+    ("planted", "parafovea-tests"),
     ("safety", "parafovea-models"),
     ("recognition", "parafovea-wild"),
     ("reuse", "parafovea-tests"),

@@ -1,4 +1,4 @@
-//! Ten Vulkan layers for tests and benches, and an OpenXR layer ([`CAPTURE_LAYER`]), in one library. Each is explicit, found through a manifest of its
+//! Eleven Vulkan layers for tests and benches, and an OpenXR layer ([`CAPTURE_LAYER`]), in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
@@ -14,6 +14,7 @@
 //! - `VK_LAYER_PARAFOVEA_TEST_two_queues` gives a device with one queue a second one; it must be the lowest.
 //! - `VK_LAYER_PARAFOVEA_TEST_faults` makes chosen calls fail, directly below Parafovea, where `VK_LAYER_PARAFOVEA_TEST_calls`, above it,
 //!   tells whose they are ([`VulkanFault`]).
+//! - `VK_LAYER_PARAFOVEA_TEST_costs` plants the GPU time of frames, and runs none of them ([`PlantedCosts`]).
 //!
 //! # Order
 //!
@@ -26,6 +27,7 @@
 //! and put its manifest into `XDG_CONFIG_HOME`, which is searched before `XDG_DATA_HOME`.
 
 mod capture;
+mod costs;
 mod count;
 mod cpu_time;
 mod drop_barrier;
@@ -42,6 +44,7 @@ pub mod validation;
 mod variable;
 
 pub use capture::{CAPTURE_FOLDER_VARIABLE, CAPTURE_LAYER, CapturedView, capture_manifest};
+pub use costs::{COSTS_FILE_VARIABLE, COSTS_VARIABLE, CostsReport, PlantedCosts};
 pub use count::{
     COUNT_FILE_VARIABLE, Count, Counted, GpuTime, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount,
     TIMES_FILE_VARIABLE,
@@ -186,4 +189,17 @@ pub unsafe extern "system" fn faults_vkNegotiateLoaderLayerInterfaceVersion(
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
     unsafe { layer::negotiate::<faults::Faults>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `costs`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn costs_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<costs::Costs>(interface) }
 }

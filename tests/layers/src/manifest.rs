@@ -26,11 +26,13 @@ pub enum TestLayer {
     Calls,
     /// Makes chosen calls fail.
     Faults,
+    /// Plants the GPU time of frames.
+    Costs,
 }
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 10] = [
+    pub const ALL: [TestLayer; 11] = [
         TestLayer::PassThrough,
         TestLayer::Above,
         TestLayer::Count,
@@ -41,6 +43,7 @@ impl TestLayer {
         TestLayer::TwoQueues,
         TestLayer::Calls,
         TestLayer::Faults,
+        TestLayer::Costs,
     ];
 
     /// The last part of its name, which its entry point and its manifest's file have too.
@@ -56,6 +59,7 @@ impl TestLayer {
             TestLayer::TwoQueues => "two_queues",
             TestLayer::Calls => "calls",
             TestLayer::Faults => "faults",
+            TestLayer::Costs => "costs",
         }
     }
 

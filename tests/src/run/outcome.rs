@@ -2,13 +2,15 @@
 
 use super::child::Exit;
 use super::validation::Findings;
-use super::{COUNT_FILE, FAULT_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
+use super::{COSTS_FILE, COUNT_FILE, FAULT_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use parafovea_test_layers::{Count, Counted, FaultReport, GpuTime, GpuTimes, SampleCount, ShadingRateLine};
+use parafovea_test_layers::{
+    CostsReport, Count, Counted, FaultReport, GpuTime, GpuTimes, SampleCount, ShadingRateLine,
+};
 use serde::de::DeserializeOwned;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -149,6 +151,19 @@ impl Outcome {
     /// [`HarnessError::File`] where it was not there.
     pub fn faults(&self) -> Result<Vec<FaultReport>, HarnessError> {
         self.reports(FAULT_FILE)
+    }
+
+    /// The frames of [`Run::planted`](super::Run::planted).
+    ///
+    /// # Errors
+    /// [`HarnessError::File`] where it was not there, [`HarnessError::Application`] where other than one device drew a frame.
+    pub fn costs(&self) -> Result<CostsReport, HarnessError> {
+        let mut drawing = self.reports::<CostsReport>(COSTS_FILE)?;
+        drawing.retain(|device| device.frames > 0);
+        match <[CostsReport; 1]>::try_from(drawing) {
+            Ok([device]) => Ok(device),
+            Err(devices) => Err(self.failed(&format!("{} devices drew frames", devices.len()))),
+        }
     }
 
     /// A layer's reports of each device, a line each.

@@ -3,8 +3,8 @@
 use crate::step::{Step, Truth};
 use ash::vk;
 use parafovea::pass_detection::{
-    Event, Eye, ImageDescription, ImageKey, Match, Recognition, Shown, ShownView, SwapchainKey, Target,
-    Transfer, TransferKind, Unmatched,
+    Event, Eye, Feedback, ImageDescription, ImageKey, Match, Recognition, Shown, ShownView, SwapchainKey,
+    Target, Transfer, TransferKind, Unmatched,
 };
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -100,6 +100,11 @@ impl World {
         self.recognition.frame(&self.log, |image| images.get(&image).copied(), &shown);
         self.spent.push(begin.elapsed());
         self.log.clear();
+    }
+
+    /// Whether the picture is made of those of earlier frames, as recognition finds.
+    pub fn feedback(&self) -> Feedback {
+        self.recognition.feedback()
     }
 
     fn made(&mut self, describe: impl FnOnce(ImageKey) -> ImageDescription) -> Image {

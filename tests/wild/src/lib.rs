@@ -14,6 +14,6 @@ mod textures;
 
 pub use frame::{Arrangement, Frame, Image, Seen, World};
 pub use graphs::{GRAPHS, Graph};
-pub use score::{Score, run};
+pub use score::{Score, feedback, run};
 pub use step::{Step, Truth};
 pub use textures::Texture;

@@ -3,7 +3,7 @@
 use crate::frame::{Seen, World};
 use crate::graphs::Graph;
 use crate::step::Truth;
-use parafovea::pass_detection::{Eye, Eyes, Match};
+use parafovea::pass_detection::{Eye, Eyes, Feedback, Match};
 use std::collections::BTreeSet;
 use std::ops::AddAssign;
 use std::time::Duration;
@@ -119,12 +119,23 @@ fn is_of(found: &Match, eye: Option<Eye>) -> bool {
 }
 
 /// Draws all frames of a graph.
-pub fn run(graph: &Graph) -> Score {
+fn drawn(graph: &Graph) -> World {
     let mut world = World::default();
     for number in 0..graph.frames() {
         let scale = graph.scale(number);
         world.frame(graph.eye, graph.arrangement, scale, graph.is_bindless, |frame| graph.draw(frame));
     }
+    world
+}
+
+/// Whether the picture of a graph is made of those of earlier frames, as recognition finds by its end.
+pub fn feedback(graph: &Graph) -> Feedback {
+    drawn(graph).feedback()
+}
+
+/// Recognises the passes of all frames of a graph.
+pub fn run(graph: &Graph) -> Score {
+    let mut world = drawn(graph);
     let mut score = Score::default();
     for seen in &world.seen {
         score.count(seen, seen.frame % Graph::FRAMES);

@@ -1,7 +1,8 @@
 //! The wild zoo is recognised, and no texture of any graph becomes coarser.
 
+use parafovea::pass_detection::Feedback;
 use parafovea_wild::random::RandomGraph;
-use parafovea_wild::{GRAPHS, Score, run};
+use parafovea_wild::{GRAPHS, Score, feedback, run};
 
 /// Random graphs of a test: `cargo dev bench recognition` has 10,000.
 const RANDOM: u64 = 500;
@@ -18,6 +19,37 @@ fn eyes_of_the_wild_zoo_are_found_and_nothing_else() {
         all += &score;
     }
     assert!(all.recall() >= 0.95, "recall {}: {:#?}", all.recall(), all.missed_names);
+}
+
+/// Graphs with a temporal filter in passes whose reads are known.
+const FILTERED: [&str; 2] = ["unreal-deferred", "unreal-deferred-dynamic"];
+
+/// Graphs of which nobody knows what reads the scene: compute, or descriptors that are not followed.
+const UNKNOWN: [&str; 7] = [
+    "unreal-deferred-compute",
+    "unreal-5-vkd3d",
+    "unreal-5-vkd3d-compute",
+    "id-tech-7",
+    "vkd3d-forward",
+    "vkd3d-forward-mirror",
+    "vkd3d-deferred",
+];
+
+#[test]
+fn temporal_filters_of_the_wild_zoo_are_found_and_nothing_else() {
+    let mut wrong = Vec::new();
+    for graph in GRAPHS {
+        let expected = match graph.name {
+            name if FILTERED.contains(&name) => Feedback::Read,
+            name if UNKNOWN.contains(&name) => Feedback::Unknown,
+            _ => Feedback::None,
+        };
+        let found = feedback(graph);
+        if found != expected {
+            wrong.push(format!("{}: {found:?}, not {expected:?}", graph.name));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]

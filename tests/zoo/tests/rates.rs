@@ -10,7 +10,7 @@ mod effort;
 #[path = "common/trial.rs"]
 mod trial;
 
-use drawn::{AS_PUBLISHED, PERIOD, compare};
+use drawn::{AS_PUBLISHED, LEFT_ALONE, PERIOD, compare};
 use effort::{Effort, is_full, moving_gaze};
 use libtest_mimic::{Arguments, Failed};
 use parafovea_test_layers::{
@@ -59,7 +59,7 @@ fn main() -> ExitCode {
     let reused = of_reuse.zip(ShadingRateProfile::ALL.into_iter().cycle()).map(|(style, profile)| {
         trial(format!("{} on {}, re-used", style.name, profile.name()), move || check_reuse(style, profile))
     });
-    let left_alone = LEFT_ALONE.into_iter().map(|case| trial(case.0, move || check_left_alone(case)));
+    let left_alone = WITHOUT_RATES.into_iter().map(|case| trial(case.0, move || check_left_alone(case)));
     let matched = ATTACHED_ONCE_MATCHED.into_iter().map(|name| {
         trial(format!("{name}, attached once matched"), move || check_attached_once_matched(name))
     });
@@ -96,11 +96,9 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
     assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
     let (findings, seen) = lines(on.shading_rates()?);
     assert_eq!(findings, []);
-    assert!(
-        seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse),
-        "nothing was left out\n{}",
-        on.log
-    );
+    let is_left_out = seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse);
+    assert!(is_left_out || style.keeps_history, "nothing was left out\n{}", on.log);
+    assert_eq!(on.log.contains(LEFT_ALONE), style.keeps_history, "{}", on.log);
     let has_two = style.needs.queues == Queues::Two;
     let off = Run::new(&application(style, effort)?, &scenario).two_queues(has_two).finish()?;
     let off = off.expect_frames(effort.frames)?;
@@ -123,7 +121,7 @@ enum MapOf {
 
 /// Settings of a user with which nothing becomes coarser by a rate attachment; whether passes have one all the same, and the lines of the
 /// log.
-const LEFT_ALONE: [(&str, &str, bool, &str); 3] = [
+const WITHOUT_RATES: [(&str, &str, bool, &str); 3] = [
     ("passes that the profile excludes", "passes = \"exclude 96x96\"", true, "session active"),
     ("another backend", "backend = \"mask\"", false, "scene passes of 96x96: masked"),
     ("no rates", "mode = \"off\"", false, "inert: the configuration enables nothing"),

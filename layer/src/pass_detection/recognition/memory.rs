@@ -1,5 +1,6 @@
 //! Memory of images.
 
+use super::feedback::EyePicture;
 use super::placement::{self, Areas, Placement, Placements};
 use super::projected::UNSTEADY;
 use super::provenance::Role;
@@ -44,6 +45,8 @@ struct Image {
     /// Roles of the passes that drew it, in their order.
     roles: Roles,
     flat_at: Option<u64>,
+    /// When it last became a picture of an eye, or a stage of it; None if it holds something else.
+    eye_picture: Option<EyePicture>,
 }
 
 #[derive(Debug, Default)]
@@ -243,6 +246,18 @@ impl Memory {
         roles.map_or(Role::Unknown, |roles| roles.of(frame, has_depth, ordinal))
     }
 
+    /// When an image last became a picture of an eye.
+    pub(super) fn eye_picture(&self, image: ImageKey) -> Option<EyePicture> {
+        self.images.get(&image)?.eye_picture
+    }
+
+    /// Takes what an image holds now: a picture of an eye, or None for anything else.
+    pub(super) fn set_eye_picture(&mut self, image: ImageKey, picture: Option<EyePicture>) {
+        if let Some(image) = self.images.get_mut(&image) {
+            image.eye_picture = picture;
+        }
+    }
+
     /// Looks which images' pictures moved while the passes that draw them did not.
     pub(super) fn compare(&mut self, frame: u64) {
         for image in self.images.values_mut() {
@@ -278,6 +293,7 @@ impl Image {
             precedes: Evidence::default(),
             roles: Roles::default(),
             flat_at: None,
+            eye_picture: None,
         }
     }
 

@@ -6,12 +6,14 @@
 //! taken.
 
 mod content;
+mod feedback;
 mod group;
 mod kind;
 mod remembered;
 mod screens;
 
 use super::candidate;
+use super::feedback::is_picture;
 use super::memory::Memory;
 use super::projected::Swapchains;
 use crate::pass_detection::{Event, ImageKey, Pass, Reads};
@@ -54,6 +56,8 @@ pub(super) struct Provenance {
     nodes: Vec<Node>,
     groups: Groups,
     steps: usize,
+    /// Reads on the way to what is followed now that find an image of later in the frame though an earlier event writes to it, too.
+    doubts: u32,
     remembered: Remembered,
 }
 
@@ -65,6 +69,8 @@ struct Node {
     group: usize,
     writes_picture: bool,
     origins: Origins,
+    /// Whether it is as large as a picture, and reads what it made itself, a frame ago.
+    reads_itself: bool,
     role: Role,
 }
 
@@ -100,6 +106,9 @@ pub(super) struct Findings {
     pub(super) is_found: bool,
     /// Whether cameras draw it, and nothing else does.
     pub(super) is_direct: bool,
+    /// Whether a pass that makes it reads what itself made a frame ago; or, of a picture that goes straight into a swapchain, what is there
+    /// so far.
+    pub(super) has_feedback: bool,
 }
 
 impl Provenance {
@@ -110,7 +119,7 @@ impl Provenance {
     pub(super) fn learn(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Findings {
         self.nodes.clear();
         self.groups.clear();
-        self.steps = 0;
+        (self.steps, self.doubts) = (0, 0);
         if events.len() > MOST_EVENTS {
             return Findings::default();
         }
@@ -121,6 +130,7 @@ impl Provenance {
                 group: 0,
                 writes_picture,
                 origins: Origins::default(),
+                reads_itself: false,
                 role: Role::Unknown,
             };
             self.nodes.push(node);
@@ -156,7 +166,8 @@ impl Provenance {
         let is_found = groups.iter().any(|group| (group.is_eye && !group.is_direct) || group.is_ambiguous);
         let is_read = self.nodes.iter().any(|node| node.writes_picture && node.kind != Kind::Camera);
         let is_direct = groups.iter().any(|group| group.is_direct) && !is_read && unknown_reader.is_none();
-        Findings { unknown_reader, candidates, is_found, is_direct }
+        let has_feedback = self.has_feedback(events, known);
+        Findings { unknown_reader, candidates, is_found, is_direct, has_feedback }
     }
 
     /// The role of the event of that number.
@@ -251,7 +262,11 @@ impl Provenance {
     ) -> (Sources, bool) {
         match &self.nodes[index].origins {
             Origins::Known { sources, has_unknown } => return (sources.clone(), *has_unknown),
-            Origins::Open => return (Sources::new(), false),
+            Origins::Open => {
+                let is_large = is_picture(area(pass), known.swapchains.least_picture());
+                self.nodes[index].reads_itself |= self.doubts == 0 && is_large;
+                return (Sources::new(), false);
+            }
             Origins::Unasked if depth >= DEEPEST => return (Sources::new(), true),
             Origins::Unasked => {}
         }

@@ -3,7 +3,7 @@
 use super::MapContent;
 use super::passes_file::Notes;
 use super::rest::Rest;
-use crate::pass_detection::{Event, EyePasses, Match, Pass, Recognition, Shown, Unmatched};
+use crate::pass_detection::{Event, EyePasses, Feedback, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::objects::Objects;
 use parafovea_core::reuse::StaleTiles;
 use parafovea_manifest::options::PassRules;
@@ -97,6 +97,11 @@ impl Log {
     /// [`EyePasses::number`] of the passes that were recognised as an eye's picture in the last frame.
     pub fn eye_passes(&self) -> u32 {
         self.last_eye_passes
+    }
+
+    /// Whether the picture of an eye is made of those of earlier frames, as far as the last frames tell.
+    pub fn feedback(&self) -> Feedback {
+        self.recognition.feedback()
     }
 
     /// Passes that are submitted leave that out of the pictures of the eyes.

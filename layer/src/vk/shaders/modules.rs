@@ -3,7 +3,9 @@
 use crate::abi::copies::{slice, words};
 use crate::vk::chain::extension;
 use crate::vk::shaders::effects::{Effects, FragmentShaders};
+use crate::vk::shaders::flow::Flow;
 use crate::vk::shaders::known::KnownShaders;
+use crate::vk::shaders::specialization::Specialization;
 use crate::vk::table::Table;
 use ash::vk;
 use std::ffi::CStr;
@@ -11,7 +13,31 @@ use std::sync::Arc;
 
 /// The modules of a device.
 #[derive(Default)]
-pub struct ShaderModules(Table<vk::ShaderModule, Arc<FragmentShaders>>);
+pub struct ShaderModules(Table<vk::ShaderModule, Arc<Module>>);
+
+/// The facts of a module's shaders.
+struct Module {
+    shaders: Arc<FragmentShaders>,
+    /// Where specialisation constants decide whether a shader discards.
+    flow: Option<Flow>,
+}
+
+impl Module {
+    /// `None` if its code is not understood.
+    fn read(words: &[u32]) -> Option<Self> {
+        let shaders = FragmentShaders::read(words)?;
+        let discards = shaders.iter().any(|(_, effects)| effects.discards);
+        let flow = discards.then(|| Flow::read(words)).flatten();
+        Some(Self { shaders: Arc::new(shaders), flow })
+    }
+
+    /// Effects of the shader of that name in a pipeline that sets these constants.
+    fn effects(&self, name: &str, constants: &Specialization) -> Effects {
+        let effects = self.shaders.effects(name);
+        let may_discard = || self.flow.as_ref().is_none_or(|flow| flow.discards(name, constants));
+        Effects { discards: effects.discards && may_discard(), ..effects }
+    }
+}
 
 impl ShaderModules {
     /// A module was created; one that is not understood is left out.
@@ -21,8 +47,8 @@ impl ShaderModules {
     /// `info` is valid (valid usage of vkCreateShaderModule).
     pub unsafe fn add(&self, module: vk::ShaderModule, info: &vk::ShaderModuleCreateInfo<'_>) {
         // SAFETY: the code is valid, by the valid usage of vkCreateShaderModule.
-        if let Some(shaders) = unsafe { read(info) } {
-            self.0.insert(module, Arc::new(shaders));
+        if let Some(facts) = Module::read(&unsafe { words(info.p_code.cast(), info.code_size) }) {
+            self.0.insert(module, Arc::new(facts));
         }
     }
 
@@ -33,7 +59,7 @@ impl ShaderModules {
 
     /// The facts of a live module's shaders; `None` if its code is not understood.
     pub fn get(&self, module: vk::ShaderModule) -> Option<Arc<FragmentShaders>> {
-        self.0.get(module)
+        self.0.get(module).map(|module| Arc::clone(&module.shaders))
     }
 
     /// The facts of a stage's fragment shader; unknown for code that neither this call nor an earlier launch has shown.
@@ -45,12 +71,14 @@ impl ShaderModules {
         // SAFETY: a valid stage has a name; its chain is valid, as `# Safety` demands.
         unsafe {
             let Ok(name) = CStr::from_ptr(stage.p_name).to_str() else { return Effects::UNKNOWN };
-            if let Some(shaders) = self.0.get(stage.module) {
-                return shaders.effects(name);
+            let constants = Specialization::read(stage.p_specialization_info);
+            if let Some(module) = self.0.get(stage.module) {
+                return module.effects(name, &constants);
             }
             let code = extension::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next);
-            if let Some(shaders) = code.and_then(|code| read(code)) {
-                return shaders.effects(name);
+            let module = code.and_then(|code| Module::read(&words(code.p_code.cast(), code.code_size)));
+            if let Some(module) = module {
+                return module.effects(name, &constants);
             }
             let identified = extension::<ByIdentifier<'_>>(stage.p_next).and_then(|by| {
                 let size = if by.p_identifier.is_null() { 0 } else { by.identifier_size };
@@ -87,8 +115,9 @@ pub unsafe fn effects_of_object(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
     unsafe {
         let words = words(info.p_code, info.code_size);
         let name = CStr::from_ptr(info.p_name).to_str();
-        let shaders = FragmentShaders::read(&words).zip(name.ok());
-        shaders.map_or(Effects::UNKNOWN, |(shaders, name)| shaders.effects(name))
+        let constants = Specialization::read(info.p_specialization_info);
+        let module = Module::read(&words).zip(name.ok());
+        module.map_or(Effects::UNKNOWN, |(module, name)| module.effects(name, &constants))
     }
 }
 

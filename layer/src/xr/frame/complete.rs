@@ -70,7 +70,8 @@ pub fn complete<'a>(
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
     {
         let mut planning = active.plan.planning();
-        (0..2).filter(|eye| kept[*eye] && wants_reuse).for_each(|eye| planning.history_kept(eye));
+        let may_reuse = wants_reuse && report.feedback.allows_reuse();
+        (0..2).filter(|eye| kept[*eye] && may_reuse).for_each(|eye| planning.history_kept(eye));
         planning.views.set_followed((0..2).all(follows));
     }
     let history: &'a History = history;

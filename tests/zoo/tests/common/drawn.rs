@@ -14,12 +14,25 @@ pub const AS_PUBLISHED: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"o
 /// a tile's edge, and move re-used ones.
 const READ_LIMIT: f64 = 1.5;
 
+/// Side of a tile, pixels.
+const TILE: u32 = 16;
+
+/// Allowed mean difference of a tile of a style that blends its pictures with earlier ones, code values: nothing is left out there, and what
+/// was before that was known has faded.
+const TILE_LIMIT: f64 = 1.0;
+
+/// Line of the log where nothing is re-used, as passes read pictures of earlier frames.
+pub const LEFT_ALONE: &str = "re-use: left alone: a pass reads images of earlier frames";
+
 /// Whether a picture is made of those that the application drew, the newest first.
 pub fn compare(style: &Style, eye: usize, on: &Picture, off: &[Picture]) {
+    if style.keeps_history {
+        return compare_tiles(eye, on, &off[0]);
+    }
     let of_one_size = off.iter().all(|off| (off.width, off.height) == (on.width, on.height));
     if !style.direct || !of_one_size {
-        // Exposure and temporal filters carry what was coarse on, far and long: there only how light it is counts.
-        let is_alike = of_one_size && style.global.is_none() && !style.keeps_history;
+        // Exposure carries what was coarse on: there only how light it is counts.
+        let is_alike = of_one_size && style.global.is_none();
         let by = if is_alike { difference(on, &off[0]) } else { (mean(on) - mean(&off[0])).abs() };
         println!("eye {eye}: {by:.2} code values off");
         assert!(by < READ_LIMIT, "eye {eye}: {by} off");
@@ -34,6 +47,30 @@ pub fn compare(style: &Style, eye: usize, on: &Picture, off: &[Picture]) {
     }
     println!("eye {eye}: {older} pixels are not of this frame");
     assert!(older > 0, "eye {eye}: nothing was re-used");
+}
+
+/// Compares tile by tile with what the application draws.
+fn compare_tiles(eye: usize, on: &Picture, off: &Picture) {
+    let [columns, rows] = [on.width, on.height].map(|side| side.div_ceil(TILE));
+    let mut most = (0.0, [0; 2]);
+    for tile in (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])) {
+        let [x, y] = tile.map(|at| at * TILE..(at + 1) * TILE);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (_, _, was, is) in off
+            .enumerate()
+            .filter(|(at_x, at_y, _)| x.contains(at_x) && y.contains(at_y))
+            .map(|(x, y, was)| (x, y, was, on.at(x, y)))
+        {
+            sum += (0..3).map(|channel| f64::from(is[channel].abs_diff(was[channel]))).sum::<f64>() / 3.0;
+            count += 1.0;
+        }
+        if sum / count > most.0 {
+            most = (sum / count, tile);
+        }
+    }
+    let (by, tile) = most;
+    println!("eye {eye}: {by:.2} code values off in tile {tile:?}, {:.2} in the mean", difference(on, off));
+    assert!(by <= TILE_LIMIT, "eye {eye}, tile {tile:?}: {by} off");
 }
 
 /// The mean over all pixels and colour channels, code values.

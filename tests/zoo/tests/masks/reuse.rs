@@ -1,7 +1,7 @@
 //! The same styles with a periphery that is re-used as paper B does it, from one frame's pixels to the next one's: every
 //! pixel is one that the application drew there, in this frame or in one of the last.
 
-use crate::drawn::{AS_PUBLISHED, PERIOD, compare};
+use crate::drawn::{AS_PUBLISHED, LEFT_ALONE, PERIOD, compare};
 use crate::effort::Effort;
 use crate::{Expected, masked, run};
 use libtest_mimic::Failed;
@@ -20,6 +20,10 @@ pub fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {
     let saved: Vec<u64> = (last + 1 - PERIOD..=last).collect();
     let scenario = effort.scenario().saving(&saved);
     let (on, noted) = masked(style, effort, scenario.clone(), AS_PUBLISHED)?;
+    if matches!(expected, Expected::Engaged) {
+        let is_left_alone = on.log.contains(LEFT_ALONE);
+        assert_eq!(is_left_alone, style.keeps_history, "{}", on.log);
+    }
     let off = run(style, effort, scenario, LayerMode::Off, None)?.expect_frames(effort.frames)?;
     for eye in 0..2 {
         let on = on.submitted(eye, last)?;

@@ -23,6 +23,8 @@ impl Provenance {
         let mut is_written = false;
         let order = (0..reader).rev().chain((reader + 1..events.len()).rev());
         for index in order {
+            // Of what is written earlier, too, nobody knows whether all of it is.
+            let is_doubtful = u32::from(is_written && index > reader);
             self.steps += 1;
             if self.steps > MOST_STEPS {
                 return true;
@@ -39,7 +41,9 @@ impl Provenance {
                             return false;
                         }
                         Kind::Screen { .. } => {
+                            self.doubts += is_doubtful;
                             let (found, has_unknown) = self.origins(index, pass, events, known, depth + 1);
+                            self.doubts -= is_doubtful;
                             // Without any of its own, it draws over what is there.
                             let is_over = self.is_over(index, image, &found, events);
                             if !found.is_empty() || has_unknown {
@@ -59,7 +63,11 @@ impl Provenance {
                     }
                 }
                 Event::Transfer(transfer) if transfer.to.image == image && transfer.from.image != image => {
-                    return self.sources_of(transfer.from.image, index, events, known, depth + 1, sources);
+                    let from = transfer.from.image;
+                    self.doubts += is_doubtful;
+                    let is_unknown = self.sources_of(from, index, events, known, depth + 1, sources);
+                    self.doubts -= is_doubtful;
+                    return is_unknown;
                 }
                 Event::Pass(_) | Event::Transfer(_) => {}
             }

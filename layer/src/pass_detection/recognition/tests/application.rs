@@ -49,6 +49,13 @@ impl Application {
         self.described(|key| description(key, extent, format))
     }
 
+    /// The image of that key, the same in every frame.
+    pub fn kept(&mut self, key: u64, extent: [u32; 2], format: vk::Format) -> ImageKey {
+        let key = ImageKey(key);
+        self.images.entry(key).or_insert_with(|| description(key, extent, format));
+        key
+    }
+
     pub fn described(&mut self, describe: impl FnOnce(ImageKey) -> ImageDescription) -> ImageKey {
         self.made += 1;
         let key = ImageKey(self.made);

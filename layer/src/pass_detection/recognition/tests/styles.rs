@@ -4,6 +4,7 @@ mod changing;
 mod copied;
 mod direct;
 mod distractors;
+mod feedback;
 mod off_screen;
 mod profile;
 mod provenance;

@@ -3,9 +3,9 @@ use crate::vk::shaders::spirv::MAGIC;
 use proptest::prelude::*;
 
 /// Instructions of a module, each an operation and its operands.
-type Code = Vec<(u32, Vec<u32>)>;
+pub type Code = Vec<(u32, Vec<u32>)>;
 
-fn assemble(code: &Code) -> Vec<u32> {
+pub fn assemble(code: &Code) -> Vec<u32> {
     let mut words = vec![MAGIC, 0x0001_0500, 0, 100, 0];
     for (op, operands) in code {
         words.push((operands.len() as u32 + 1) << 16 | op);

@@ -5,12 +5,12 @@ use crate::pass_detection::*;
 use ash::vk;
 
 /// Draws of a full-screen pass that reads these images.
-fn full_screen(images: &[ImageKey]) -> Draws {
+pub(super) fn full_screen(images: &[ImageKey]) -> Draws {
     Draws { quads: 1, vertices: 3, read_by_quads: reads(images), ..Draws::default() }
 }
 
 /// Draws of a scene that samples these images.
-fn scene(textures: &[ImageKey]) -> Draws {
+pub(super) fn scene(textures: &[ImageKey]) -> Draws {
     Draws { meshes: 200, vertices: 100_000, read_by_meshes: reads(textures), ..Draws::default() }
 }
 
@@ -19,17 +19,35 @@ fn reads(images: &[ImageKey]) -> Reads {
 }
 
 /// The same where nobody follows descriptors.
-fn unknown(draws: Draws) -> Draws {
+pub(super) fn unknown(draws: Draws) -> Draws {
     let anything = Reads { may_read_more: true, ..Reads::default() };
     Draws { read_by_quads: anything.clone(), read_by_meshes: anything, ..draws }
 }
 
 impl Application {
-    fn drawn(&mut self, name: &'static str, colors: &[ImageKey], has_depth: bool, draws: Draws) {
+    pub(super) fn drawn(&mut self, name: &'static str, colors: &[ImageKey], has_depth: bool, draws: Draws) {
         let mut pass = whole(self.extent(colors[0]), colors);
         if has_depth {
             self.add_depth(&mut pass);
         }
+        pass.draws = Some(draws);
+        self.pass(name, pass);
+    }
+
+    /// With depth that it clears, which later passes go on with.
+    pub(super) fn drawn_with_depth(&mut self, name: &'static str, color: ImageKey, draws: Draws) -> Target {
+        let mut pass = whole(self.extent(color), &[color]);
+        self.add_depth(&mut pass);
+        pass.draws = Some(draws);
+        let depth = pass.depth.unwrap();
+        self.pass(name, pass);
+        depth
+    }
+
+    /// With that depth, which it loads.
+    pub(super) fn drawn_on(&mut self, name: &'static str, color: ImageKey, depth: Target, draws: Draws) {
+        let mut pass = whole(self.extent(color), &[color]);
+        pass.depth = Some(depth);
         pass.draws = Some(draws);
         self.pass(name, pass);
     }

@@ -1,0 +1,154 @@
+//! Temporal feedback: pictures of eyes that a later frame reads on its way to the picture, as temporal filters read their history.
+//!
+//! Re-use completes the picture that is shown, and never the images before it: what a pass leaves out, or shades as coarsely as can be
+//! because its turn has not come, stays so in a history, and returns from there in every later frame.
+
+use super::HOLD;
+use super::memory::Memory;
+use super::provenance::{Findings, Provenance, Role};
+use crate::pass_detection::{Event, ImageKey, Pass};
+use std::fmt;
+
+/// Whether a picture is made of those of earlier frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Feedback {
+    /// It is made of this frame's passes.
+    #[default]
+    None,
+    /// A pass before it may read anything.
+    Unknown,
+    /// A pass before it reads a picture of an earlier frame.
+    Read,
+}
+
+impl Feedback {
+    /// Its number in [`crate::link::FrameReportRecord::feedback`].
+    pub fn number(self) -> u32 {
+        match self {
+            Self::None => 0,
+            Self::Unknown => 1,
+            Self::Read => 2,
+        }
+    }
+
+    /// That of a number; [`Self::Unknown`] for one that nothing has.
+    pub fn from_number(number: u32) -> Self {
+        match number {
+            0 => Self::None,
+            2 => Self::Read,
+            _ => Self::Unknown,
+        }
+    }
+
+    /// Whether parts of the scene may be left out until their turn comes.
+    pub fn allows_reuse(self) -> bool {
+        self == Self::None
+    }
+}
+
+impl fmt::Display for Feedback {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "re-use: no pass reads images of earlier frames",
+            Self::Unknown => "re-use: left alone: a pass after the scene may read images of earlier frames",
+            Self::Read => "re-use: left alone: a pass reads images of earlier frames, as temporal filters do",
+        })
+    }
+}
+
+/// The use of pictures of earlier frames, by all frames so far.
+#[derive(Debug, Default)]
+pub(super) struct FeedbackEvidence {
+    unknown_at: Option<u64>,
+    read_at: Option<u64>,
+}
+
+impl FeedbackEvidence {
+    /// The finding of the last frames.
+    pub(super) fn newest(&self, frame: u64) -> Feedback {
+        let is_held = |at: Option<u64>| at.is_some_and(|at| frame < at + HOLD);
+        match (is_held(self.read_at), is_held(self.unknown_at)) {
+            (true, _) => Feedback::Read,
+            (false, true) => Feedback::Unknown,
+            (false, false) => Feedback::None,
+        }
+    }
+
+    /// Takes a frame, whose passes have their roles, and whose pictures of eyes are at least of the size `least`, pixels.
+    pub(super) fn learn(
+        &mut self,
+        frame: u64,
+        events: &[Event],
+        (provenance, told): (&Provenance, Findings),
+        (memory, least): (&mut Memory, [f32; 2]),
+    ) {
+        if told.unknown_reader.is_some() {
+            self.unknown_at = Some(frame);
+        }
+        let mut reads = told.has_feedback;
+        for (index, event) in events.iter().enumerate() {
+            match event {
+                Event::Pass(pass) => {
+                    let role = provenance.role(index);
+                    let is_on_the_way = matches!(role, Role::Eye | Role::FullScreen);
+                    let is_earlier = |image: ImageKey| {
+                        let extent = memory.description(image).map_or([0; 2], |image| image.extent);
+                        is_picture(extent, least)
+                            && memory.eye_picture(image).is_some_and(|kept| kept.is_earlier(frame, index))
+                    };
+                    reads |= is_on_the_way && images_read(pass).any(is_earlier);
+                    let picture = is_on_the_way.then_some(EyePicture {
+                        frame,
+                        index,
+                        is_passed_on: role == Role::FullScreen,
+                    });
+                    for target in pass.colors.iter().chain(&pass.resolves) {
+                        memory.set_eye_picture(target.image, picture);
+                    }
+                }
+                Event::Transfer(transfer) => {
+                    let from = memory.eye_picture(transfer.from.image).filter(|from| from.frame == frame);
+                    let picture = from.map(|_| EyePicture { frame, index, is_passed_on: true });
+                    memory.set_eye_picture(transfer.to.image, picture);
+                }
+            }
+        }
+        if reads {
+            self.read_at = Some(frame);
+        }
+    }
+}
+
+/// Least side of an image that keeps a picture, in sides of the picture that is shown: exposure and the like are smaller, and forget.
+const LEAST_SIDE: f32 = 0.25;
+
+/// Whether an image, or a render area, of this size may hold a picture of the size `least`.
+pub(super) fn is_picture(extent: [u32; 2], least: [f32; 2]) -> bool {
+    (0..2).all(|axis| extent[axis] as f32 >= LEAST_SIDE * least[axis])
+}
+
+/// The last time that an image became a picture of an eye, or a stage of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct EyePicture {
+    /// In which frame.
+    frame: u64,
+    /// By which of its events.
+    index: usize,
+    /// Whether by a copy or a full-screen pass, and not by a pass that shades.
+    is_passed_on: bool,
+}
+
+impl EyePicture {
+    /// Whether it is an earlier picture to event number `reader` of a frame. The scene that a thread of its own submits before the last xrEndFrame is
+    /// none: it was drawn after the same reader of the frame before.
+    fn is_earlier(&self, frame: u64, reader: usize) -> bool {
+        let is_last = self.frame + 1 == frame;
+        self.frame < frame && (!is_last || self.is_passed_on || self.index <= reader)
+    }
+}
+
+/// Attachments that draws of a pass may read, as far as these are known.
+pub(super) fn images_read(pass: &Pass) -> impl Iterator<Item = ImageKey> + '_ {
+    let draws = pass.draws.iter();
+    draws.flat_map(|draws| draws.read_by_quads.images.iter().chain(&draws.read_by_meshes.images)).copied()
+}

@@ -1,0 +1,181 @@
+//! Pictures of earlier frames, where passes read them and where they do not.
+
+use super::super::application::*;
+use super::provenance::{full_screen, scene, unknown};
+use crate::pass_detection::*;
+
+/// Frames until it is known, and none of the frames before counts any longer.
+const FRAMES: u64 = 8;
+
+/// Runs frames of both eyes, and returns the finding after the last.
+fn of_frames(draw: impl Fn(&mut Application, usize, ImageKey)) -> Feedback {
+    let mut app = Application::default();
+    run(&mut app, FRAMES, draw);
+    app.recognition.feedback()
+}
+
+/// `draw` draws an eye, from 0, into its image of the swapchain.
+fn run(app: &mut Application, frames: u64, draw: impl Fn(&mut Application, usize, ImageKey)) {
+    let eyes = app.eyes();
+    app.run(frames, |app| {
+        for (eye, chain) in eyes.iter().enumerate() {
+            draw(app, eye, app.current(chain));
+        }
+        app.show(&app.both(&eyes));
+    });
+}
+
+/// An image of that number, the same in every frame.
+fn kept(app: &mut Application, number: u64, extent: [u32; 2]) -> ImageKey {
+    app.kept(1_000_000 + number, extent, HDR)
+}
+
+/// Blends the scene into one of two images by turns, while it reads the other.
+fn accumulate(app: &mut Application, eye: usize, shown: ImageKey) {
+    let color = kept(app, 0, EYE);
+    let parity = app.frame % 2;
+    let [new, old] = [parity, 1 - parity].map(|index| kept(app, 1 + 2 * eye as u64 + index, EYE));
+    app.drawn("scene", &[color], true, scene(&[]));
+    app.drawn("accumulate", &[new], false, full_screen(&[color, old]));
+    app.drawn("tone-map", &[shown], false, full_screen(&[new]));
+}
+
+#[test]
+fn histories_by_turns_and_copied_ones() {
+    assert_eq!(of_frames(accumulate), Feedback::Read);
+    let copied = of_frames(|app, eye, shown| {
+        let [color, blended, history] = [0, 1, 2 + eye as u64].map(|number| kept(app, number, EYE));
+        app.drawn("scene", &[color], true, scene(&[]));
+        app.drawn("accumulate", &[blended], false, full_screen(&[color, history]));
+        app.drawn("tone-map", &[shown], false, full_screen(&[blended]));
+        app.copy(blended, history);
+    });
+    assert_eq!(copied, Feedback::Read);
+}
+
+/// As reflections in screen space do.
+#[test]
+fn a_scene_that_samples_its_last_picture() {
+    let by_turns = of_frames(|app, eye, shown| {
+        let parity = app.frame % 2;
+        let [new, old] = [parity, 1 - parity].map(|index| kept(app, 2 * eye as u64 + index, EYE));
+        app.drawn("scene", &[new], true, scene(&[old]));
+        app.drawn("tone-map", &[shown], false, full_screen(&[new]));
+    });
+    let copied = of_frames(|app, eye, shown| {
+        let [color, last] = [0, 1 + eye as u64].map(|number| kept(app, number, EYE));
+        app.drawn("scene", &[color], true, scene(&[last]));
+        app.copy(color, last);
+        app.drawn("tone-map", &[shown], false, full_screen(&[color]));
+    });
+    let straight = of_frames(|app, eye, shown| {
+        let last = kept(app, eye as u64, EYE);
+        app.drawn("scene", &[shown], true, scene(&[last]));
+        app.copy(shown, last);
+    });
+    assert_eq!([by_turns, copied, straight], [Feedback::Read; 3]);
+}
+
+/// Refraction: of a picture that goes straight into the swapchain it would read left-out parts, of others it reads this frame's.
+#[test]
+fn a_grabbed_picture() {
+    let straight = of_frames(|app, _, shown| {
+        let grabbed = kept(app, 0, EYE);
+        let depth = app.drawn_with_depth("scene", shown, scene(&[]));
+        app.copy(shown, grabbed);
+        app.drawn_on("water", shown, depth, scene(&[grabbed]));
+    });
+    let off_screen = of_frames(|app, _, shown| {
+        let [color, grabbed] = [0, 1].map(|number| kept(app, number, EYE));
+        let depth = app.drawn_with_depth("scene", color, scene(&[]));
+        app.copy(color, grabbed);
+        app.drawn_on("water", color, depth, scene(&[grabbed]));
+        app.drawn("tone-map", &[shown], false, full_screen(&[color]));
+    });
+    assert_eq!([straight, off_screen], [Feedback::Read, Feedback::None]);
+}
+
+#[test]
+fn pictures_of_one_frame() {
+    let straight = of_frames(|app, _, shown| app.drawn("scene", &[shown], true, scene(&[])));
+    let tone_mapped = of_frames(|app, _, shown| {
+        let color = kept(app, 0, EYE);
+        app.drawn("scene", &[color], true, scene(&[]));
+        app.drawn("tone-map", &[shown], false, full_screen(&[color]));
+    });
+    // Materials without end, straight into the swapchain.
+    let bindless = of_frames(|app, _, shown| app.drawn("scene", &[shown], true, unknown(scene(&[]))));
+    assert_eq!([straight, tone_mapped, bindless], [Feedback::None; 3]);
+}
+
+/// Exposure is one number of a picture; a mirror's history is no eye's.
+#[test]
+fn histories_of_other_things() {
+    let exposed = of_frames(|app, eye, shown| {
+        let color = kept(app, 0, EYE);
+        let parity = app.frame % 2;
+        let [new, old] = [parity, 1 - parity].map(|index| kept(app, 1 + 2 * eye as u64 + index, [1, 1]));
+        app.drawn("scene", &[color], true, scene(&[]));
+        app.drawn("exposure", &[new], false, full_screen(&[color, old]));
+        app.drawn("tone-map", &[shown], false, full_screen(&[color, new]));
+    });
+    let mirrored = of_frames(|app, _, shown| {
+        let [color, mirror] = [0, 1].map(|number| kept(app, number, EYE));
+        let parity = app.frame % 2;
+        let [new, old] = [parity, 1 - parity].map(|index| kept(app, 2 + index, EYE));
+        app.drawn("mirror", &[mirror], true, scene(&[]));
+        app.drawn("accumulate", &[new], false, full_screen(&[mirror, old]));
+        app.drawn("scene", &[color], true, scene(&[new]));
+        app.drawn("tone-map", &[shown], false, full_screen(&[color]));
+    });
+    assert_eq!([exposed, mirrored], [Feedback::None; 2]);
+}
+
+/// The thread that renders is a frame ahead: the picture that a pass reads was drawn before the last xrEndFrame, and after the same pass.
+#[test]
+fn a_picture_that_was_drawn_ahead() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    app.run(FRAMES, |app| {
+        let parity = app.frame % 2;
+        let [new, old] = [parity, 1 - parity].map(|index| kept(app, index, EYE));
+        for chain in &eyes {
+            app.drawn("tone-map", &[app.current(chain)], false, full_screen(&[old]));
+        }
+        let shown = app.both(&eyes);
+        app.drawn("scene", &[new], true, scene(&[]));
+        app.show(&shown);
+    });
+    assert_eq!(app.recognition.feedback(), Feedback::None);
+}
+
+#[test]
+fn whatever_may_be_read_is_unknown() {
+    let unfollowed = of_frames(|app, _, shown| {
+        let color = kept(app, 0, EYE);
+        app.drawn("scene", &[color], true, unknown(scene(&[])));
+        app.drawn("tone-map", &[shown], false, unknown(full_screen(&[])));
+    });
+    let computed = of_frames(|app, _, shown| {
+        let [color, upscaled] = [0, 1].map(|number| kept(app, number, EYE));
+        app.drawn("scene", &[color], true, scene(&[]));
+        app.copy(upscaled, shown);
+    });
+    assert_eq!([unfollowed, computed], [Feedback::Unknown; 2]);
+}
+
+/// Two seconds at most, after an application turned its filter off.
+#[test]
+fn a_filter_that_is_turned_off() {
+    let mut app = Application::default();
+    run(&mut app, FRAMES, accumulate);
+    let plain = |app: &mut Application, _: usize, shown: ImageKey| {
+        let color = kept(app, 0, EYE);
+        app.drawn("scene", &[color], true, scene(&[]));
+        app.drawn("tone-map", &[shown], false, full_screen(&[color]));
+    };
+    run(&mut app, 60, plain);
+    assert_eq!(app.recognition.feedback(), Feedback::Read);
+    run(&mut app, 120, plain);
+    assert_eq!(app.recognition.feedback(), Feedback::None);
+}
