@@ -181,7 +181,7 @@ fn in_focus(
     let unsupported = xr::Result::ERROR_PATH_UNSUPPORTED;
     calls.expect("Reading Input Action State", "of a user it is not for", result, unsupported);
     let tracked = xr::SpaceLocationFlags::POSITION_TRACKED | xr::SpaceLocationFlags::ORIENTATION_TRACKED;
-    let located = seen(frame, frame.index % 2 == 0);
+    let located = seen(frame, frame.index.is_multiple_of(2));
     for located in &located {
         calls.expect("Locating Spaces", "the gaze", located.result, xr::Result::SUCCESS);
         let bits = located.flags & tracked;
