@@ -1,6 +1,7 @@
 //! Fixed foveation: the shading rate by eccentricity alone (paper A's baseline FR, section 3.2.1, after Patney et al.
 //! 2016 and Guenter et al. 2012).
 
+mod centres;
 mod mean;
 
 pub use mean::eccentricities_deg;
@@ -47,8 +48,8 @@ impl FixedFoveation {
     /// The peripheral rate everywhere.
     pub const ANYWHERE: Self = Self { foveal_deg: 0.0, transitional_deg: 0.0, peripheral: ShadingRate::R4X4 };
 
-    /// Map for an unknown gaze: full rate to 30 degrees around the centre of the view, and 2x2 from 40 on, the range of eye movements
-    /// without the head (Carpenter 1988).
+    /// Map for an unknown gaze: full rate to 30 degrees around the axes of both lenses ([`Self::lens_centres`]), and 2x2 from 40 on, the range of
+    /// eye movements without the head (Carpenter 1988).
     pub const WITHOUT_TRACKER: Self =
         Self { foveal_deg: 30.0, transitional_deg: 40.0, peripheral: ShadingRate::R2X2 };
 

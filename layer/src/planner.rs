@@ -31,7 +31,7 @@ use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::{GateMode, Techniques};
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::geometry;
-use parafovea_core::plan::{PlanInput, PlanSettings, Planner, SafetySettings, tile_of};
+use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RateSettings, SafetySettings, tile_of};
 use parafovea_core::reuse::StaleTiles;
 use signal::Signal;
 use status::LastLook;
@@ -240,7 +240,7 @@ impl Planning {
             GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
                 self.gaze.state(time_ns).with_nearest(self.views.positions(), self.views.nearest_m())
             }
-            GazeSource::Centre => STRAIGHT_AHEAD,
+            GazeSource::Centre => fixed_gaze(&settings, eyes.each_ref().map(|eye| eye.orientation)),
         };
         let input = PlanInput {
             time_ns,
@@ -369,6 +369,16 @@ impl Planning {
 
 /// The gaze of `gaze.source = "centre"`.
 const STRAIGHT_AHEAD: GazeState = GazeState { phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST };
+
+/// The same for the plan: rings are around the axes of the lenses; contrast and colour are judged by the angle from straight ahead, where the
+/// eyes rest. `orientations` lead from the views to the head.
+fn fixed_gaze(settings: &PlanSettings, orientations: [Quat; 2]) -> GazeState {
+    let directions = match &settings.rates {
+        RateSettings::Fixed(rings) => rings.lens_centres(orientations),
+        RateSettings::AudioVisual(_) | RateSettings::Off => STRAIGHT_AHEAD.directions,
+    };
+    GazeState { directions, ray: Some(Vec3::NEG_Z), ..STRAIGHT_AHEAD }
+}
 
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@ mod audio_visual;
 mod break_even;
 mod capture;
 mod configuration;
+mod conformance;
 mod container;
 mod counting;
 mod debug_view;

@@ -24,7 +24,7 @@ const TOLERANCE: f64 = 0.000_87;
 const EXTENSION: &str = "XR_EXT_eye_gaze_interaction";
 
 /// A turned head, and eyes that look to one side.
-fn with_eye_gaze() -> Scenario {
+pub fn with_eye_gaze() -> Scenario {
     let mut scenario = Scenario::new(1000).sized(64, 64).gazing(LEFT, UP);
     scenario.head = vec![Head {
         position: [0.3, 1.2, -0.4],
@@ -36,7 +36,7 @@ fn with_eye_gaze() -> Scenario {
     scenario
 }
 
-fn without_eye_gaze() -> Scenario {
+pub fn without_eye_gaze() -> Scenario {
     let mut scenario = with_eye_gaze();
     scenario.system.eye_gaze = false;
     scenario.system.extensions_off = vec![EXTENSION.to_owned()];
@@ -44,13 +44,13 @@ fn without_eye_gaze() -> Scenario {
 }
 
 /// The gaze from a file, and nothing else that the layer does.
-fn config(folder: &Path, script: &str, offer: bool) -> String {
+pub fn config(folder: &Path, script: &str, offer: bool) -> String {
     let file = folder.join("gaze.csv");
     std::fs::write(&file, script).unwrap();
     format!("preset = \"none\"\n[gaze]\noffer = {offer}\nsource = \"file\"\nfile = {file:?}\n")
 }
 
-fn constant() -> String {
+pub fn constant() -> String {
     format!("0,{LEFT},{UP}\n")
 }
 
@@ -62,7 +62,7 @@ fn run(case: &str, scenario: &Scenario, config: Option<&str>) -> Outcome {
     start(&[case], scenario, config).finish().unwrap()
 }
 
-fn start(arguments: &[&str], scenario: &Scenario, config: Option<&str>) -> Run {
+pub fn start(arguments: &[&str], scenario: &Scenario, config: Option<&str>) -> Run {
     let application = Application::ours("parafovea-cases", arguments).unwrap();
     let run = Run::new(&application, scenario).timeout(Duration::from_secs(120)).listing_eye_gaze();
     match config {
@@ -71,7 +71,7 @@ fn start(arguments: &[&str], scenario: &Scenario, config: Option<&str>) -> Run {
     }
 }
 
-fn report(outcome: &Outcome) -> Report {
+pub fn report(outcome: &Outcome) -> Report {
     let report = outcome.output.lines().find_map(|line| serde_json::from_str(line).ok());
     report.unwrap_or_else(|| panic!("no report:\n{}\n{}", outcome.output, outcome.log))
 }
@@ -361,4 +361,48 @@ fn packets_reach_the_application_and_the_status_says_so() {
     assert!(given.gaze.to_string().contains("given to the application"), "{}", given.gaze);
     drop(sender);
     told(&running, |status| !status.gaze.is_given);
+}
+
+/// The contents of all files below a folder, as far as they are text.
+fn written(folder: &Path, into: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        match path.is_dir() {
+            true => written(&path, into),
+            false => {
+                into.extend(std::fs::read(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
+            }
+        }
+    }
+}
+
+/// The gaze goes to the application alone, at the most talkative level of the log.
+#[test]
+fn no_file_has_the_gaze_that_an_application_gets() {
+    // Digits that are found nowhere else.
+    let [left, up] = [17.329_41f32, -6.813_27];
+    let turned = Quat::from_euler(EulerRot::YXZ, left.to_radians(), up.to_radians(), 0.0);
+    let direction = turned * glam::Vec3::NEG_Z;
+    let numbers = [left, up, left.to_radians(), up.to_radians(), direction.x, direction.y, direction.z];
+    let signs: Vec<String> = numbers.iter().map(|number| format!("{:.4}", number.abs())).collect();
+    let address = free_address();
+    let mut scenario = without_eye_gaze();
+    scenario.session.frames = 1_000_000;
+    let state = tempfile::tempdir().unwrap();
+    let config = format!("[gaze]\noffer = true\nosc_listen = \"{address}\"\n[log]\nlevel = \"debug\"\n");
+    let run = start(&["keeps_states_until_it_synchronises"], &scenario, Some(&config));
+    let running = run.env("XDG_STATE_HOME", state.path()).start().unwrap();
+    let sender =
+        Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-up, -left])]).unwrap();
+    let status = told(&running, |status| status.gaze.is_given);
+    let mut texts = vec![running.log(), format!("{status:?}"), status.gaze.to_string()];
+    written(&running.runtime_folder(), &mut texts);
+    drop(sender);
+    let outcome = running.finish().unwrap();
+    written(state.path(), &mut texts);
+    texts.push(outcome.log);
+    assert!(texts.len() > 4 && texts.iter().any(|text| text.contains("OSC")), "{}", texts.len());
+    for (sign, text) in signs.iter().flat_map(|sign| texts.iter().map(move |text| (sign, text))) {
+        assert!(!text.contains(sign.as_str()), "{sign} is in:\n{text}");
+    }
 }

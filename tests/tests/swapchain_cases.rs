@@ -188,6 +188,6 @@ fn every_case_of_the_application_is_tested() {
     let program = parafovea_tests::artifacts::program("parafovea-cases").unwrap();
     let list = std::process::Command::new(program).arg("--list").output().unwrap();
     let list = String::from_utf8(list.stdout).unwrap();
-    let tested = [TESTED, crate::input::TESTED, crate::offer::TESTED].concat();
+    let tested = [TESTED, crate::input::TESTED, crate::offer::TESTED, crate::conformance::TESTED].concat();
     assert_eq!(list.lines().collect::<Vec<_>>(), tested);
 }

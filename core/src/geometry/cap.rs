@@ -34,6 +34,12 @@ impl Cap {
         let radius = (self.radius - (angle - towards)).max(away - towards).max(0.0);
         Self { centre: turned(self.centre, direction, towards), radius }
     }
+
+    /// The middle of this cap, turned towards a direction (of unit length) by at most `angle` (radians, at least 0), and no farther than it.
+    pub fn turned_towards(self, direction: Vec3, angle: f32) -> Vec3 {
+        let away = eccentricity(self.centre, direction);
+        if away <= angle { direction } else { turned(self.centre, direction, angle) }
+    }
 }
 
 /// `from` turned by `angle` towards `to`; both are of unit length. Opposite ones have no way between that is shorter

@@ -47,7 +47,8 @@ pub struct EyePlan {
     pub fov: Fov,
     /// Where this eye looks, unit vector in the view's space; all 0 when that is unknown.
     pub gaze: Vec3,
-    /// Centres of the rings, unit vectors in the view's space: the gaze of the left and of the right eye, or the centre of the view.
+    /// Centres of the rings, unit vectors in the view's space: the gaze of the left and of the right eye, or the axes of
+    /// both lenses.
     pub centres: [Vec3; 2],
     /// Where colour is kept, in the view's space; all colour is, everywhere, where there is none.
     pub focus: Option<Focus>,

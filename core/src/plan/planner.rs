@@ -107,7 +107,9 @@ impl Planner {
             self.safety.frame(&self.settings.safety, by_contrast, input.time_ns, &input.gaze, &mut reasons);
         let period_cap = self.cap.update(input.frame_rate_hz);
         let limits = AgeLimits { period_cap, drift_arcmin: self.drift_arcmin };
-        let rules = FrameRules::new(&self.settings, safety, input.audio.as_ref(), limits, &mut reasons);
+        let orientations = input.eyes.each_ref().map(|eye| eye.orientation);
+        let rules =
+            FrameRules::new(&self.settings, safety, input.audio.as_ref(), limits, orientations, &mut reasons);
         let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
         if let (Some(ages), Some(schedule)) = (&mut self.ages, &rules.schedule) {
             let gazes = rules.centres.map(|centre| head * centre);

@@ -13,7 +13,7 @@ use crate::frco::Allocation;
 use crate::kernels::decide::DecideParams;
 use crate::schedule::refresh::visible_shift_arcmin;
 use crate::schedule::{MAX_FACTOR, REGIONS, Regions, Schedule, UpdateConfiguration};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// Rules for all tiles of one frame.
 #[derive(Clone, Copy, Debug)]
@@ -65,17 +65,19 @@ impl RateLimit {
 }
 
 impl FrameRules {
+    /// `orientations` lead from the views' spaces to the common one.
     pub(super) fn new(
         settings: &PlanSettings,
         safety: FrameSafety,
         audio: Option<&AudioFeatures>,
         limits: AgeLimits,
+        orientations: [Quat; 2],
         reasons: &mut Reasons,
     ) -> Self {
         let around_gaze = matches!(safety.area, Area::AroundGaze(_));
         let map = match (&settings.rates, safety.area) {
             (RateSettings::Off, _) | (_, Area::Nowhere) => None,
-            (_, Area::AroundAhead) => settings.safety.lost.as_ref(),
+            (_, Area::AroundLenses) => settings.safety.lost.as_ref(),
             (RateSettings::Fixed(map), Area::AroundGaze(_)) => Some(map),
             (RateSettings::AudioVisual(model), Area::AroundGaze(_)) => Some(&model.fixed),
         };
@@ -94,7 +96,10 @@ impl FrameRules {
             safety,
             centres: match safety.area {
                 Area::AroundGaze(gazes) => gazes,
-                Area::AroundAhead | Area::Nowhere => [Vec3::NEG_Z; 2],
+                Area::AroundLenses => {
+                    settings.safety.lost.map_or([Vec3::NEG_Z; 2], |lost| lost.lens_centres(orientations))
+                }
+                Area::Nowhere => [Vec3::NEG_Z; 2],
             },
             fixed,
             by_contrast,

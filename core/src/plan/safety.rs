@@ -32,8 +32,8 @@ pub(super) struct FrameSafety {
 pub(super) enum Area {
     /// The periphery around the gaze: unit vectors in the common space, left and right.
     AroundGaze([Vec3; 2]),
-    /// The periphery around the centre of the view, for an unknown gaze.
-    AroundAhead,
+    /// The periphery around the axes of the lenses, for an unknown gaze.
+    AroundLenses,
     /// Nothing.
     Nowhere,
 }
@@ -59,7 +59,7 @@ impl SafetyState {
     ) -> FrameSafety {
         let trust = if gaze.trust.is_nan() { 0.0 } else { gaze.trust.clamp(0.0, 1.0) };
         let area = area(gaze, trust);
-        let lost = area == Area::AroundAhead;
+        let lost = area == Area::AroundLenses;
         reasons.insert_if(area == Area::Nowhere, Reason::GazeInvalid);
         reasons.insert_if(lost, Reason::GazeLost);
         reasons.insert_if(trust < 1.0 && matches!(area, Area::AroundGaze(_)), Reason::GazeFading);
@@ -104,7 +104,7 @@ impl SafetyState {
 
 fn area(gaze: &GazeState, trust: f32) -> Area {
     if gaze.phase == GazePhase::Lost && trust == 0.0 {
-        return Area::AroundAhead;
+        return Area::AroundLenses;
     }
     // An eye without a direction is taken to look where the other one does.
     match gaze.directions.map(unit_direction) {

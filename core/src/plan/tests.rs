@@ -11,6 +11,7 @@ use crate::schedule::{Phase, Schedule, UpdateConfiguration};
 use glam::{Quat, Vec3};
 
 mod feedback;
+mod lenses;
 mod properties;
 mod safety;
 mod update_unit;

@@ -90,6 +90,10 @@ pub unsafe extern "system" fn create_action(
         || below(info),
         |answer| {
             // SAFETY: valid usage: `info` is valid.
+            if known.has_own_eye_gaze() && unsafe { names_eyes(&known, info) } {
+                return answer.record(xr::Result::ERROR_PATH_UNSUPPORTED);
+            }
+            // SAFETY: as above.
             let without_eyes = unsafe { offer::strip_eyes(&known, info) };
             let result = answer.record(match &without_eyes {
                 None => below(info),
@@ -113,6 +117,21 @@ pub unsafe extern "system" fn create_action(
     )
 }
 
+/// Whether the eyes are among the subaction paths of an action that is to be made.
+///
+/// # Safety
+///
+/// `info` is null or valid.
+unsafe fn names_eyes(instance: &Instance, info: *const xr::ActionCreateInfo) -> bool {
+    // SAFETY: `info` is null or valid, as `# Safety` demands, with an array of that many paths.
+    let paths = unsafe {
+        let info = info.as_ref().filter(|info| !info.subaction_paths.is_null());
+        info.map(|info| std::slice::from_raw_parts(info.subaction_paths, info.count_subaction_paths as usize))
+    };
+    let eyes = || gaze_action::eyes(&instance.next, instance.handle).ok();
+    paths.is_some_and(|paths| !paths.is_empty() && eyes().is_some_and(|eyes| paths.contains(&eyes)))
+}
+
 /// `xrSuggestInteractionProfileBindings`: the application's suggestion for eye gaze is remembered, because
 /// our suggestion will take its place. Without the extension, which is on because of us, it gets no such profile.
 pub unsafe extern "system" fn suggest_bindings(
@@ -130,7 +149,7 @@ pub unsafe extern "system" fn suggest_bindings(
         let is_gaze = |asked: &xr::InteractionProfileSuggestedBinding| {
             gaze_action::profile(&known.next, known.handle) == Ok(asked.interaction_profile)
         };
-        if known.eye_gaze && !known.eye_gaze_is_asked_for && asked.is_some_and(is_gaze) {
+        if known.has_own_eye_gaze() && asked.is_some_and(is_gaze) {
             return answer.record(xr::Result::ERROR_PATH_UNSUPPORTED);
         }
         // SAFETY: valid usage: the suggestion is valid.
@@ -283,13 +302,17 @@ pub unsafe extern "system" fn get_current_profile(
         if let Some(current) = known.as_ref().and_then(|known| offer::current_profile(known, user)) {
             // SAFETY: valid usage: the structure is null or valid.
             return answer.record(match (current, unsafe { profile.as_mut() }) {
-                (Ok(path), Some(profile)) => {
+                (Err(error), _) => error,
+                (Ok(path), Some(profile)) if profile.ty == xr::InteractionProfileState::TYPE => {
                     profile.interaction_profile = path;
                     xr::Result::SUCCESS
                 }
-                (Ok(_), None) => xr::Result::ERROR_VALIDATION_FAILURE,
-                (Err(error), _) => error,
+                (Ok(_), _) => xr::Result::ERROR_VALIDATION_FAILURE,
             });
+        }
+        let hides_eyes = known.as_ref().filter(|known| known.instance.has_own_eye_gaze());
+        if hides_eyes.is_some_and(|known| gaze_action::eyes(&next, known.instance.handle) == Ok(user)) {
+            return answer.record(xr::Result::ERROR_PATH_UNSUPPORTED);
         }
         let result = answer.record(below());
         let (true, Some(known)) = (result.into_raw() >= 0, &known) else { return result };

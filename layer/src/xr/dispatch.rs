@@ -1,7 +1,7 @@
 //! Every OpenXR function that this layer calls below, and every one that it hooks: one list. All are OpenXR 1.0 core.
 
 use super::functions::functions;
-use super::{actions, frame, instance, plan, session, spaces, swapchain};
+use super::{actions, frame, instance, offer, plan, session, spaces, swapchain};
 
 functions! {
     /// The functions of the layer (or runtime) below, for one instance.
@@ -9,7 +9,8 @@ functions! {
 
     c"xrDestroyInstance" destroy_instance: DestroyInstance => instance::destroy;
     c"xrPollEvent" poll_event: PollEvent => actions::poll_event;
-    c"xrGetSystemProperties" get_system_properties: GetSystemProperties;
+    c"xrGetSystemProperties" get_system_properties:
+        GetSystemProperties => offer::get_system_properties;
     c"xrStringToPath" string_to_path: StringToPath => actions::string_to_path;
     c"xrPathToString" path_to_string: PathToString;
 

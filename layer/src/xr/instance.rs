@@ -50,6 +50,13 @@ pub struct Instance {
     pub offer: Option<Offer>,
 }
 
+impl Instance {
+    /// Whether `XR_EXT_eye_gaze_interaction` is on because of us alone: the application is to see nothing of it.
+    pub fn has_own_eye_gaze(&self) -> bool {
+        self.eye_gaze && !self.eye_gaze_is_asked_for
+    }
+}
+
 static INSTANCES: Registry<xr::Instance, Known> = Registry::new();
 
 /// The instance of that handle.

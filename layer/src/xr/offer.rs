@@ -15,6 +15,7 @@ mod hooks;
 mod input;
 mod layers;
 mod pose;
+mod properties;
 mod session;
 mod sources;
 mod spaces;
@@ -23,6 +24,7 @@ pub use hooks::{
     current_profile, note_attached, note_event, note_suggestion, strip_eyes, suggest, synchronise,
 };
 pub use layers::PlacedLayers;
+pub use properties::get_system_properties;
 pub use session::SessionOffer;
 pub use spaces::{GazeSpace, forget_all_of, forget_space};
 

@@ -51,6 +51,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn nobody_else_is_listened_to_unless_the_user_says_so() {
+        assert!(crate::config::Config::default().gaze.osc_listen.is_loopback());
+        for preset in crate::options::Preset::ALL {
+            assert!(crate::config::Config::of_preset(*preset).gaze.osc_listen.is_loopback(), "{preset:?}");
+        }
+    }
+
+    #[test]
     fn an_address_and_a_port_are_taken_and_names_are_not() {
         for (text, is_loopback) in [
             ("127.0.0.1:9020", true),

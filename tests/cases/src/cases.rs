@@ -2,6 +2,7 @@
 
 mod actions;
 mod chains;
+mod conformance;
 mod errors;
 mod input;
 mod order;
@@ -115,4 +116,11 @@ cases! {
     input::gaze => finds_the_gaze_among_many_spaces [c"XR_EXT_eye_gaze_interaction"],
     input::gaze => shows_layers_in_the_gaze [c"XR_EXT_eye_gaze_interaction"],
     input::gaze => sees_the_gaze_come_and_go [c"XR_EXT_eye_gaze_interaction"],
+    conformance::enumeration => conforms_before_a_session [c"XR_EXT_eye_gaze_interaction"],
+    conformance::actions => conforms_in_suggestions [c"XR_EXT_eye_gaze_interaction"],
+    conformance::actions => conforms_in_attaching [c"XR_EXT_eye_gaze_interaction"],
+    conformance::states => conforms_in_states [c"XR_EXT_eye_gaze_interaction"],
+    conformance::states => conforms_with_two_profiles [c"XR_EXT_eye_gaze_interaction"],
+    conformance::states => keeps_states_until_it_synchronises [c"XR_EXT_eye_gaze_interaction"],
+    conformance::without => conforms_without_eye_gaze,
 }

@@ -71,6 +71,8 @@ functions! {
     string_to_path: StringToPath,
     create_action_set: CreateActionSet,
     create_action: CreateAction,
+    destroy_action_set: DestroyActionSet,
+    destroy_action: DestroyAction,
     suggest_bindings: SuggestInteractionProfileBindings,
     attach_action_sets: AttachSessionActionSets,
     sync_actions: SyncActions,

@@ -7,7 +7,6 @@ functions! {
     /// Functions of the layer (or runtime) below for an offered gaze, beside the functions of `Next`.
     OfferNext;
 
-    c"xrGetSystemProperties" get_system_properties: GetSystemProperties => hooks::get_system_properties;
     c"xrDestroyActionSet" destroy_action_set: DestroyActionSet => hooks::destroy_action_set;
     c"xrDestroyAction" destroy_action: DestroyAction => hooks::destroy_action;
     c"xrGetActionStatePose" get_action_state_pose: GetActionStatePose => hooks::get_action_state_pose;

@@ -1,9 +1,8 @@
-//! System properties, suggestions, and states of actions.
+//! Suggestions, and states of actions.
 
 use super::Offer;
-use crate::abi::{guard, pnext};
-use crate::xr::gaze::Offered;
-use crate::xr::instance::{self, Instance, any_offering};
+use crate::abi::guard;
+use crate::xr::instance::{Instance, any_offering};
 use crate::xr::session::{self, Session};
 use openxr_sys as xr;
 use smallvec::SmallVec;
@@ -14,50 +13,6 @@ use std::sync::Arc;
 pub(super) fn offering(session: Option<&Arc<Session>>) -> Option<Arc<Instance>> {
     let of_session = session.map(|session| Arc::clone(&session.instance));
     of_session.filter(|instance| instance.offer.is_some()).or_else(any_offering)
-}
-
-/// `xrGetSystemProperties`: the system has eye gaze where the user offers it.
-pub unsafe extern "system" fn get_system_properties(
-    handle: xr::Instance,
-    system: xr::SystemId,
-    properties: *mut xr::SystemProperties,
-) -> xr::Result {
-    let known = instance::hooked(handle).filter(|known| known.offer.is_some()).or_else(any_offering);
-    let Some((known, offer)) = known.as_ref().and_then(|known| Some((known, known.offer.as_ref()?))) else {
-        return xr::Result::ERROR_HANDLE_INVALID;
-    };
-    // SAFETY: the next layer's function with the application's own arguments.
-    let below = || unsafe { (offer.next.get_system_properties)(handle, system, properties) };
-    guard("xrGetSystemProperties", below, |answer| {
-        if properties.is_null() {
-            return answer.record(below());
-        }
-        // SAFETY: valid usage: the structure and its chain are valid, and the application lets nobody else use them.
-        let gaze = unsafe {
-            pnext::unlink::<xr::SystemEyeGazeInteractionPropertiesEXT>(&raw mut (*properties).next)
-        };
-        let Some(mut gaze) = gaze else { return answer.record(below()) };
-        let is_offered = Offered::of(&known.config.snapshot()).is_some();
-        if offer.is_known_below {
-            // Back in its chain.
-            drop(gaze);
-            let result = answer.record(below());
-            if result.into_raw() >= 0 && is_offered {
-                // SAFETY: as above.
-                let gaze = unsafe { pnext::unlink(&raw mut (*properties).next) };
-                if let Some(mut gaze) = gaze {
-                    let gaze: &mut xr::SystemEyeGazeInteractionPropertiesEXT = gaze.get();
-                    gaze.supports_eye_gaze_interaction = xr::TRUE;
-                }
-            }
-            return result;
-        }
-        let result = answer.record(below());
-        if result.into_raw() >= 0 {
-            gaze.get().supports_eye_gaze_interaction = is_offered.into();
-        }
-        result
-    })
 }
 
 /// An action's subaction paths without that of the eyes, which the runtime does not know; `None` where it may get the structure as it is.
@@ -72,8 +27,10 @@ pub unsafe fn strip_eyes(instance: &Instance, info: *const xr::ActionCreateInfo)
         let info = info.as_ref().filter(|info| !info.subaction_paths.is_null())?;
         std::slice::from_raw_parts(info.subaction_paths, info.count_subaction_paths as usize)
     };
-    let has_eyes = paths.contains(&offer.paths.eyes);
-    has_eyes.then(|| paths.iter().copied().filter(|path| *path != offer.paths.eyes).collect())
+    let is_eyes = |path: &&xr::Path| **path == offer.paths.eyes;
+    // The runtime is to see a path that is there twice, which is an error.
+    let has_eyes = paths.iter().filter(is_eyes).count() == 1;
+    has_eyes.then(|| paths.iter().filter(|path| !is_eyes(path)).copied().collect())
 }
 
 /// Takes the application's suggestion for the profile of eye gaze where the runtime has no such profile; `None` for all others.
@@ -89,9 +46,25 @@ pub unsafe fn suggest(
     if suggestion.interaction_profile != offer.paths.profile {
         return None;
     }
+    if suggestion.ty != xr::InteractionProfileSuggestedBinding::TYPE {
+        return Some(xr::Result::ERROR_VALIDATION_FAILURE);
+    }
     // SAFETY: as `# Safety` demands.
-    let taken = offer.input().suggest(&offer.paths, unsafe { bindings(suggestion) });
+    let bindings = unsafe { bindings(suggestion) };
+    if let Some(error) = bindings.iter().find_map(|binding| path_error(instance, binding.binding)) {
+        return Some(error);
+    }
+    let taken = offer.input().suggest(&offer.paths, bindings);
     Some(taken.err().unwrap_or(xr::Result::SUCCESS))
+}
+
+/// The runtime's error for a path that it never gave; `None` for others.
+fn path_error(instance: &Instance, path: xr::Path) -> Option<xr::Result> {
+    let mut length = 0;
+    // SAFETY: the next layer's function, a live instance, a place for the length and no room for the text.
+    let result =
+        unsafe { (instance.next.path_to_string)(instance.handle, path, 0, &mut length, ptr::null_mut()) };
+    (result.into_raw() < 0).then_some(result)
 }
 
 /// Takes note of a suggestion that the runtime accepted.
@@ -174,15 +147,37 @@ pub unsafe fn synchronise(
     };
     if let (true, Some(offered)) = (result.into_raw() >= 0, &session.offer) {
         let has_gaze = session.gaze.has_gaze_for_application(&session.instance.config.snapshot());
-        offered.synchronised(sets, &offer.paths, (result == xr::Result::SUCCESS, has_gaze));
+        let is_driven = |action| is_driven_below(session, offer, action);
+        offered.synchronised(sets, &offer.paths, (result == xr::Result::SUCCESS, has_gaze), is_driven);
     }
     result
+}
+
+/// Whether a source of the runtime's drives a pose action.
+fn is_driven_below(session: &Session, offer: &Offer, action: xr::Action) -> bool {
+    let info = xr::ActionStateGetInfo {
+        ty: xr::ActionStateGetInfo::TYPE,
+        next: ptr::null(),
+        action,
+        subaction_path: xr::Path::NULL,
+    };
+    let mut state =
+        xr::ActionStatePose { ty: xr::ActionStatePose::TYPE, next: ptr::null_mut(), is_active: xr::FALSE };
+    // SAFETY: the next layer's function, a live session and valid structures. An action that is destroyed by now is an error, which says no.
+    let result = unsafe { (offer.next.get_action_state_pose)(session.handle, &info, &mut state) };
+    result.into_raw() >= 0 && state.is_active.into()
 }
 
 /// The current profile of the eyes; `None` for another user path, or where the runtime knows. The errors are those of the runtime for a
 /// path that it knows.
 pub fn current_profile(session: &Session, user: xr::Path) -> Option<Result<xr::Path, xr::Result>> {
     let (offer, offered) = session.offered().filter(|(offer, _)| offer.paths.eyes == user)?;
+    let current = if offered.is_current() { offer.paths.profile } else { xr::Path::NULL };
+    Some(attachment_error(session, offer).map_or(Ok(current), Err))
+}
+
+/// The runtime's error for a session without action sets, and whatever else is wrong with it; `None` if all is right.
+pub(super) fn attachment_error(session: &Session, offer: &Offer) -> Option<xr::Result> {
     let mut other = xr::InteractionProfileState {
         ty: xr::InteractionProfileState::TYPE,
         next: ptr::null_mut(),
@@ -193,10 +188,7 @@ pub fn current_profile(session: &Session, user: xr::Path) -> Option<Result<xr::P
         let get = session.instance.next.get_current_interaction_profile;
         get(session.handle, offer.paths.left_hand, &mut other)
     };
-    if result.into_raw() < 0 {
-        return Some(Err(result));
-    }
-    Some(Ok(if offered.is_current() { offer.paths.profile } else { xr::Path::NULL }))
+    (result.into_raw() < 0).then_some(result)
 }
 
 /// Takes note of an event that the application gets.
@@ -209,9 +201,9 @@ pub unsafe fn note_event(event: &xr::EventDataBuffer) {
         xr::EventDataSessionStateChanged::TYPE => {
             // SAFETY: the type says which structure the buffer begins with; the buffer is larger and as aligned.
             let changed = unsafe { &*ptr::from_ref(event).cast::<xr::EventDataSessionStateChanged>() };
-            let known = session::find(changed.session).filter(|_| changed.state != xr::SessionState::FOCUSED);
+            let known = session::find(changed.session);
             if let Some(offered) = known.as_ref().and_then(|known| known.offer.as_ref()) {
-                offered.lose_focus();
+                offered.has_focus(changed.state == xr::SessionState::FOCUSED);
             }
         }
         xr::EventDataInteractionProfileChanged::TYPE => {

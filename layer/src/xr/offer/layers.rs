@@ -76,7 +76,21 @@ impl Copied {
     unsafe fn of(layer: &xr::CompositionLayerBaseHeader, time: xr::Time) -> Option<Self> {
         let gaze = GazeSpace::find(layer.space)?;
         let in_head = gaze.pose_in_head(time)?;
-        let (space, placed) = (gaze.head(), |pose| placed(in_head, pose));
+        // SAFETY: as `# Safety` demands.
+        unsafe { Self::placed(layer, gaze.head(), in_head) }
+    }
+
+    /// A layer whose space has the pose `in_head` in the space of the head; `None` for a layer of a type that is not known.
+    ///
+    /// # Safety
+    ///
+    /// As for [`Self::of`].
+    unsafe fn placed(
+        layer: &xr::CompositionLayerBaseHeader,
+        space: xr::Space,
+        in_head: Pose,
+    ) -> Option<Self> {
+        let placed = |pose| placed(in_head, pose);
         // SAFETY: the layer is valid and of its type, as `# Safety` demands.
         let (projection, quad, cylinder, equirect, equirect2, cube) = unsafe {
             (
@@ -138,3 +152,6 @@ impl Copied {
 fn placed(in_head: Pose, pose: xr::Posef) -> xr::Posef {
     Pose::read(&pose).map_or(pose, |pose| in_head.then(pose).written())
 }
+
+#[cfg(test)]
+mod tests;

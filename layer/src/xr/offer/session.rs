@@ -16,6 +16,10 @@ struct State {
     gazes: Vec<GazeBinding>,
     /// The actions that the newest synchronisation made active.
     active: SmallVec<[xr::Action; 2]>,
+    /// Those of `active` which no source of the runtime's drove then, though one could.
+    undriven: SmallVec<[xr::Action; 2]>,
+    /// Whether the newest state that the application was told has the focus.
+    was_focused: bool,
     /// Whether the profile of eye gaze is the current one.
     is_current: bool,
     /// An event about the profile is owed.
@@ -32,15 +36,18 @@ impl SessionOffer {
         self.state().gazes = gazes;
     }
 
-    /// The application synchronised these sets. `has_focus`: that changed states; `has_gaze`: a source is there.
+    /// The application synchronised these sets. `has_focus`: that changed states; `has_gaze`: a source is there; `is_driven`: a source of the
+    /// runtime's drives an action.
     pub fn synchronised(
         &self,
         sets: &[xr::ActiveActionSet],
         paths: &GazePaths,
         (has_focus, has_gaze): (bool, bool),
+        is_driven: impl Fn(xr::Action) -> bool,
     ) {
         let mut state = self.state();
         state.active.clear();
+        state.undriven.clear();
         if !has_focus {
             return;
         }
@@ -49,12 +56,25 @@ impl SessionOffer {
         }
         if has_gaze {
             state.active = active(&state.gazes, sets, paths);
+            let is_shared =
+                |action: &xr::Action| state.gazes.iter().any(|gaze| gaze.action == *action && !gaze.is_alone);
+            state.undriven = state
+                .active
+                .iter()
+                .copied()
+                .filter(|action| is_shared(action) && !is_driven(*action))
+                .collect();
         }
     }
 
-    /// The session has lost the focus: no input is active.
-    pub fn lose_focus(&self) {
-        self.state().active.clear();
+    /// The application is told whether the session has the focus: without, no input is active. States on the way to the focus may be told after
+    /// a synchronisation that had it already; they take nothing away.
+    pub fn has_focus(&self, has_focus: bool) {
+        let mut state = self.state();
+        if std::mem::replace(&mut state.was_focused, has_focus) && !has_focus {
+            state.active.clear();
+            state.undriven.clear();
+        }
     }
 
     /// Takes the event about the profile that is owed.
@@ -69,9 +89,11 @@ impl SessionOffer {
 
     /// Whether an action, limited to a subaction path, has the gaze as its source.
     pub fn follows(&self, action: xr::Action, subaction: xr::Path, paths: &GazePaths) -> bool {
-        self.state().gazes.iter().any(|gaze| {
+        let state = self.state();
+        state.gazes.iter().any(|gaze| {
+            let has_no_other = || gaze.is_alone || state.undriven.contains(&action);
             let is_asked =
-                (subaction == xr::Path::NULL && gaze.is_alone) || (subaction == paths.eyes && gaze.has_eyes);
+                (subaction == xr::Path::NULL && has_no_other()) || (subaction == paths.eyes && gaze.has_eyes);
             gaze.action == action && is_asked
         })
     }
@@ -142,7 +164,7 @@ mod tests {
         let [low, high] = [gaze(1, 2, true), gaze(2, 9, true)];
         offer.attached(vec![low, high]);
         let active = |numbers: &[u64], subaction, state| {
-            offer.synchronised(&sets(numbers, subaction), &paths(), state);
+            offer.synchronised(&sets(numbers, subaction), &paths(), state, |_| true);
             [low, high].map(|gaze| offer.is_active(gaze.action))
         };
         let any = xr::Path::NULL;
@@ -155,7 +177,11 @@ mod tests {
         assert_eq!(active(&[1], paths().eyes, (true, true)), [false, false]);
         assert!(!offer.is_given());
         assert_eq!(active(&[1], any, (true, true)), [true, false]);
-        offer.lose_focus();
+        offer.has_focus(false);
+        assert!(offer.is_given(), "a state from before the focus");
+        offer.has_focus(true);
+        assert!(offer.is_given());
+        offer.has_focus(false);
         assert!(!offer.is_given() && !offer.take_owed());
     }
 
@@ -167,5 +193,10 @@ mod tests {
         assert_eq!([1, 2].map(|number| follows(number, xr::Path::NULL)), [true, false]);
         assert_eq!([1, 2].map(|number| follows(number, paths().eyes)), [false, true]);
         assert!(!follows(1, paths().pose) && !follows(3, xr::Path::NULL));
+        let synchronise = |is_driven: bool| {
+            offer.synchronised(&sets(&[2], xr::Path::NULL), &paths(), (true, true), |_| is_driven);
+            follows(2, xr::Path::NULL)
+        };
+        assert_eq!([true, false, true].map(synchronise), [false, true, false], "while no hand drives it");
     }
 }

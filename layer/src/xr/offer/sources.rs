@@ -1,6 +1,6 @@
 //! Sources of actions, and their names.
 
-use super::hooks::offering;
+use super::hooks::{attachment_error, offering};
 use crate::abi::guard;
 use crate::xr::session;
 use openxr_sys as xr;
@@ -9,6 +9,9 @@ use std::ptr;
 
 /// Name of the gaze as a source; user path and component can be left out, but nothing else names it.
 const NAME: &CStr = c"Eye gaze";
+
+/// The flags of all components: user path, interaction profile and component.
+const ALL_COMPONENTS: u64 = 7;
 
 /// `xrEnumerateBoundSourcesForAction`: with the gaze.
 pub unsafe extern "system" fn enumerate_bound_sources(
@@ -73,14 +76,19 @@ pub unsafe extern "system" fn get_localized_name(
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (offer.next.get_localized_name)(handle, info, capacity, count, buffer) };
     guard("xrGetInputSourceLocalizedName", below, |answer| {
+        let session = known.as_ref().filter(|known| known.offer.is_some() && !offer.is_known_below);
         // SAFETY: valid usage: `info` is valid.
-        let asked = unsafe { info.as_ref() }.map(|info| (info.source_path, info.which_components));
-        let is_ours = known.as_ref().is_some_and(|known| known.offer.is_some()) && !offer.is_known_below;
-        let is_gaze = asked.is_some_and(|(path, components)| {
-            path == offer.paths.pose && components != xr::InputSourceLocalizedNameFlags::EMPTY
+        let asked = unsafe { info.as_ref() }.filter(|info| {
+            info.ty == xr::InputSourceLocalizedNameGetInfo::TYPE && info.source_path == offer.paths.pose
         });
-        if !is_ours || !is_gaze || count.is_null() {
+        let (Some(session), Some(asked), false) = (session, asked, count.is_null()) else {
             return answer.record(below());
+        };
+        if let Some(error) = attachment_error(session, offer) {
+            return answer.record(error);
+        }
+        if !(1..=ALL_COMPONENTS).contains(&asked.which_components.into_raw()) {
+            return answer.record(xr::Result::ERROR_VALIDATION_FAILURE);
         }
         let name: Vec<c_char> = NAME.to_bytes_with_nul().iter().map(|&byte| byte as c_char).collect();
         // SAFETY: valid usage: the application's buffer has room for `capacity` characters.

@@ -20,7 +20,9 @@ pub(crate) type Suggestions = BTreeMap<&'static str, Vec<(xr::Action, String)>>;
 /// A source that drives an action.
 #[derive(Clone, Debug)]
 pub(super) struct Binding {
+    /// It drives spaces of the action also after that is destroyed.
     pub action: xr::Action,
+    pub set: xr::ActionSet,
     pub user: &'static str,
     pub source: String,
 }
@@ -156,10 +158,9 @@ fn attachment(
                 || runtime.actions.get(*action).is_ok_and(|action| sets.last() == Some(&action.set));
             !runtime.scenario.quirks.only_last_set || is_last()
         };
-        bindings.extend(of_user.filter(works).map(|(action, path)| Binding {
-            action: *action,
-            user,
-            source: path.clone(),
+        let set_of = |action: &xr::Action| Some(runtime.actions.get(*action).ok()?.set);
+        bindings.extend(of_user.filter(works).filter_map(|(action, path)| {
+            Some(Binding { action: *action, set: set_of(action)?, user, source: path.clone() })
         }));
     }
     Ok(Attachment { sets, bindings, profiles })

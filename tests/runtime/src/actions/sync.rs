@@ -121,18 +121,18 @@ fn active_bindings(
     let (owner, instance) = runtime.session_and_instance(session)?;
     let mut found = Vec::new();
     for binding in owner.input.attachment.iter().flat_map(|attachment| &attachment.bindings) {
-        let Ok(action) = runtime.actions.get(binding.action) else { continue };
+        let Ok(priority) = runtime.action_sets.get(binding.set).map(|set| set.priority) else { continue };
         let covers = |set: &&xr::ActiveActionSet| {
             let path = set.subaction_path;
             let user_fits = path == xr::Path::NULL || instance.paths.text(path) == Ok(binding.user);
-            set.action_set == action.set && user_fits
+            set.action_set == binding.set && user_fits
         };
         // Pose actions of a tracker that does not work are bound, and follow nothing.
         if binding.user == EYES && !runtime.scenario.tracker.active {
             continue;
         }
         if sets.iter().any(|set| covers(&set)) {
-            found.push((runtime.action_sets.get(action.set)?.priority, binding));
+            found.push((priority, binding));
         }
     }
     let highest =

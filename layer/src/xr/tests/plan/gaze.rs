@@ -1,6 +1,12 @@
 //! The gaze in the plan.
 
 use super::*;
+use crate::status::StatusSnapshot;
+use parafovea_manifest::config::parse;
+use rosc::{OscMessage, OscPacket, OscType, encoder::encode};
+use std::net::UdpSocket;
+use std::path::Path;
+use std::thread::sleep;
 
 #[test]
 fn a_gaze_that_moves_between_begin_and_locate_is_in_the_plan_before_the_application_draws() {
@@ -19,6 +25,69 @@ fn a_gaze_that_moves_between_begin_and_locate_is_in_the_plan_before_the_applicat
     look(-30.0);
     application.locate();
     assert_eq!(plans(), [], "once a frame");
+}
+
+/// An eye tracker that sends packets, and knows when they have arrived.
+struct PacketTracker {
+    session: std::sync::Arc<session::Session>,
+    config: Config,
+    socket: UdpSocket,
+}
+
+impl PacketTracker {
+    /// Has the session follow packets to a free port of this computer.
+    fn follow(application: &Application) -> Self {
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        // Whether a gaze is there for applications tells how many packets came, without a frame.
+        let settings = format!("[gaze]\nsource = \"osc\"\noffer = true\nosc_listen = \"{address}\"\n");
+        let config = parse(Path::new("test.toml"), &settings).unwrap();
+        let session = session::find(application.session).unwrap();
+        session.instance.config.set(config);
+        socket.connect(address).unwrap();
+        Self { session, config, socket }
+    }
+
+    /// Sends that the eyes look so far to the left, degrees, and returns once that is heard.
+    fn look(&self, left_deg: f32) {
+        let args = vec![OscType::Float(0.0), OscType::Float(-left_deg)];
+        let message = OscMessage { addr: "/tracking/eye/CenterPitchYaw".to_owned(), args };
+        let count = || {
+            let mut status = StatusSnapshot::default();
+            self.session.gaze.has_gaze_for_application(&self.config);
+            self.session.gaze.write_status(&mut status);
+            status.osc.counts.packets
+        };
+        let before = count();
+        self.socket.send(&encode(&OscPacket::Message(message)).unwrap()).unwrap();
+        while count() == before {
+            sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// From a packet to the rates in no frame: a packet that came before the application locates its views is in the map that it draws with.
+#[test]
+fn a_packet_that_comes_between_begin_and_locate_is_in_the_plan_before_the_application_draws() {
+    let application = Application::new();
+    let tracker = PacketTracker::follow(&application);
+    // The port is opened.
+    application.begin();
+    application.end(&[application.view(0), application.view(1)], None);
+    for _ in 0..90 {
+        tracker.look(-30.0);
+        application.frame();
+    }
+    told();
+    let left_edge = 16 * 32;
+    tracker.look(-30.0);
+    application.begin();
+    assert_eq!(plans(), [], "the eyes have not moved");
+    tracker.look(35.0);
+    application.locate();
+    let after = plans();
+    assert_eq!(after.len(), 1);
+    assert_eq!(after[0].1[left_edge], ShadingRate::R1X1.texel(), "where the eyes look now");
 }
 
 #[test]
