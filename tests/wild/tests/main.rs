@@ -25,7 +25,9 @@ fn eyes_of_the_wild_zoo_are_found_and_nothing_else() {
 const FILTERED: [&str; 2] = ["unreal-deferred", "unreal-deferred-dynamic"];
 
 /// Graphs of which nobody knows what reads the scene: compute, or descriptors that are not followed.
-const UNKNOWN: [&str; 7] = [
+const UNKNOWN: [&str; 9] = [
+    "hdrp",
+    "hdrp-square-dynamic",
     "unreal-deferred-compute",
     "unreal-5-vkd3d",
     "unreal-5-vkd3d-compute",

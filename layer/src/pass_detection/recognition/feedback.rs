@@ -82,7 +82,7 @@ impl FeedbackEvidence {
         (provenance, told): (&Provenance, Findings),
         (memory, least): (&mut Memory, [f32; 2]),
     ) {
-        if told.unknown_reader.is_some() {
+        if told.unknown_reader.is_some_and(|reader| !copies_drawn(events, reader, memory)) {
             self.unknown_at = Some(frame);
         }
         let mut reads = told.has_feedback;
@@ -96,7 +96,10 @@ impl FeedbackEvidence {
                         is_picture(extent, least)
                             && memory.eye_picture(image).is_some_and(|kept| kept.is_earlier(frame, index))
                     };
-                    reads |= is_on_the_way && images_read(pass).any(is_earlier);
+                    // An input attachment that the pass writes is this frame's.
+                    let is_own = |image: ImageKey| pass.colors.iter().any(|target| target.image == image);
+                    reads |=
+                        is_on_the_way && images_read(pass).any(|image| !is_own(image) && is_earlier(image));
                     let picture = is_on_the_way.then_some(EyePicture {
                         frame,
                         index,
@@ -145,6 +148,19 @@ impl EyePicture {
         let is_last = self.frame + 1 == frame;
         self.frame < frame && (!is_last || self.is_passed_on || self.index <= reader)
     }
+}
+
+/// Whether an event copies what earlier transfers of the frame copied from an image that a pass draws, as far as is known.
+fn copies_drawn(events: &[Event], index: usize, memory: &Memory) -> bool {
+    let Event::Transfer(last) = &events[index] else { return false };
+    let mut image = last.from.image;
+    for event in events[..index].iter().rev() {
+        match event {
+            Event::Transfer(earlier) if earlier.to.image == image => image = earlier.from.image,
+            Event::Transfer(_) | Event::Pass(_) => {}
+        }
+    }
+    memory.is_drawn(image)
 }
 
 /// Attachments that draws of a pass may read, as far as these are known.

@@ -20,13 +20,14 @@ impl Provenance {
             }
             let is_camera = self.nodes[index].kind == Kind::Camera;
             let own = self.nodes[index].group;
-            for image in images_read(pass).filter(|image| known.is_large_colour(*image)) {
+            let is_own = |image: ImageKey| pass.colors.iter().any(|target| target.image == image);
+            for image in images_read(pass).filter(|image| !is_own(*image) && known.is_large_colour(*image)) {
                 let is_made_before = events[..index].iter().any(|earlier| makes(earlier, image));
                 let mut sources = Sources::new();
                 self.sources_of(image, index, events, known, 0, &mut sources);
-                let is_own = |group: &usize| is_camera && *group == own && !is_made_before;
+                let is_last = |group: &usize| is_camera && *group == own && !is_made_before;
                 let is_direct = |group: &usize| is_made_before && self.groups.all[*group].is_direct;
-                if sources.iter().any(|group| is_own(group) || is_direct(group)) {
+                if sources.iter().any(|group| is_last(group) || is_direct(group)) {
                     return true;
                 }
             }
