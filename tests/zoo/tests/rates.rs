@@ -10,7 +10,7 @@ mod effort;
 #[path = "common/trial.rs"]
 mod trial;
 
-use drawn::{AS_PUBLISHED, LEFT_ALONE, PERIOD, compare};
+use drawn::{AS_PUBLISHED, FEEDBACK_LINE, PERIOD, compare};
 use effort::{Effort, is_full, moving_gaze};
 use libtest_mimic::{Arguments, Failed};
 use parafovea_test_layers::{
@@ -98,7 +98,7 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
     assert_eq!(findings, []);
     let is_left_out = seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse);
     assert!(is_left_out || style.keeps_history, "nothing was left out\n{}", on.log);
-    assert_eq!(on.log.contains(LEFT_ALONE), style.keeps_history, "{}", on.log);
+    assert_eq!(on.log.contains(FEEDBACK_LINE), style.keeps_history, "{}", on.log);
     let has_two = style.needs.queues == Queues::Two;
     let off = Run::new(&application(style, effort)?, &scenario).two_queues(has_two).finish()?;
     let off = off.expect_frames(effort.frames)?;

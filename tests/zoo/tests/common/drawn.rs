@@ -22,7 +22,7 @@ const TILE: u32 = 16;
 const TILE_LIMIT: f64 = 1.0;
 
 /// Line of the log where nothing is re-used, as passes read pictures of earlier frames.
-pub const LEFT_ALONE: &str = "re-use: left alone: a pass reads images of earlier frames";
+pub const FEEDBACK_LINE: &str = "re-use: left alone: a pass reads images of earlier frames";
 
 /// Whether a picture is made of those that the application drew, the newest first.
 pub fn compare(style: &Style, eye: usize, on: &Picture, off: &[Picture]) {
