@@ -99,8 +99,8 @@ unsafe fn prepare(
     for buffer in buffers.filter_map(recording::buffer) {
         let recorded = buffer.recorded();
         if is_followed {
-            for (image, layout) in &recorded.layouts {
-                armed.layouts.set(*image, *layout);
+            if !recorded.layouts.is_empty() {
+                armed.layouts.submitted(armed.objects.queue(queue), &recorded.layouts);
             }
             if armed.follows_passes() {
                 recognise_passes(armed, queue, &recorded, &mut followed);

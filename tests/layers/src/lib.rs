@@ -1,4 +1,4 @@
-//! Ten Vulkan layers for tests and benches, and an OpenXR layer ([`CAPTURE_LAYER`]), in one library. Each is explicit, found through a manifest of its
+//! Eleven Vulkan layers for tests and benches, and an OpenXR layer ([`CAPTURE_LAYER`]), in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
@@ -14,6 +14,7 @@
 //! - `VK_LAYER_PARAFOVEA_TEST_two_queues` gives a device with one queue a second one; it must be the lowest.
 //! - `VK_LAYER_PARAFOVEA_TEST_faults` makes chosen calls fail, directly below Parafovea, where `VK_LAYER_PARAFOVEA_TEST_calls`, above it,
 //!   tells whose they are ([`VulkanFault`]).
+//! - `VK_LAYER_PARAFOVEA_TEST_live` counts live objects and device memory ([`LiveObjects`]), directly below Parafovea, with `calls` above it.
 //!
 //! # Order
 //!
@@ -33,6 +34,7 @@ mod faults;
 mod functions;
 mod interface;
 mod layer;
+mod live;
 mod manifest;
 mod pass_through;
 mod report;
@@ -48,6 +50,7 @@ pub use count::{
 };
 pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
 pub use faults::{FAULT_FILE_VARIABLE, FAULT_VARIABLE, FaultReport, VulkanFault, Whose};
+pub use live::{BUDGET_VARIABLE, Holdings, LIVE_FILE_VARIABLE, LiveObjects};
 pub use manifest::TestLayer;
 pub use shading_rate::{
     SHADING_RATE_FILE_VARIABLE, SHADING_RATE_GPU_VARIABLE, SHADING_RATE_PROFILE_VARIABLE,
@@ -186,4 +189,17 @@ pub unsafe extern "system" fn faults_vkNegotiateLoaderLayerInterfaceVersion(
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
     unsafe { layer::negotiate::<faults::Faults>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `live`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn live_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<live::Live>(interface) }
 }

@@ -22,15 +22,17 @@ pub enum TestLayer {
     ShadingRate,
     /// Offers a second queue where there is one.
     TwoQueues,
-    /// Tells [`TestLayer::Faults`] which calls are the application's.
+    /// Tells [`TestLayer::Faults`] and [`TestLayer::Live`] which calls are the application's.
     Calls,
     /// Makes chosen calls fail.
     Faults,
+    /// Counts live objects and device memory.
+    Live,
 }
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 10] = [
+    pub const ALL: [TestLayer; 11] = [
         TestLayer::PassThrough,
         TestLayer::Above,
         TestLayer::Count,
@@ -41,6 +43,7 @@ impl TestLayer {
         TestLayer::TwoQueues,
         TestLayer::Calls,
         TestLayer::Faults,
+        TestLayer::Live,
     ];
 
     /// The last part of its name, which its entry point and its manifest's file have too.
@@ -56,6 +59,7 @@ impl TestLayer {
             TestLayer::TwoQueues => "two_queues",
             TestLayer::Calls => "calls",
             TestLayer::Faults => "faults",
+            TestLayer::Live => "live",
         }
     }
 

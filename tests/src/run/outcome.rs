@@ -2,13 +2,15 @@
 
 use super::child::Exit;
 use super::validation::Findings;
-use super::{COUNT_FILE, FAULT_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
+use super::{COUNT_FILE, FAULT_FILE, LIVE_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use parafovea_test_layers::{Count, Counted, FaultReport, GpuTime, GpuTimes, SampleCount, ShadingRateLine};
+use parafovea_test_layers::{
+    Count, Counted, FaultReport, GpuTime, GpuTimes, LiveObjects, SampleCount, ShadingRateLine,
+};
 use serde::de::DeserializeOwned;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -149,6 +151,14 @@ impl Outcome {
     /// [`HarnessError::File`] where it was not there.
     pub fn faults(&self) -> Result<Vec<FaultReport>, HarnessError> {
         self.reports(FAULT_FILE)
+    }
+
+    /// Counts of [`Run::live_counted`](super::Run::live_counted), one for each vkDeviceWaitIdle of the application, on all devices.
+    ///
+    /// # Errors
+    /// [`HarnessError::File`] where it was not there.
+    pub fn live_objects(&self) -> Result<Vec<LiveObjects>, HarnessError> {
+        self.reports(LIVE_FILE)
     }
 
     /// A layer's reports of each device, a line each.
