@@ -149,11 +149,10 @@ pub unsafe extern "system" fn wait_image(
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.wait_swapchain_image)(handle, info) };
-    // SAFETY: valid usage: `info` is valid.
     let timeout = || {
-        unsafe { info.as_ref() }
-            .filter(|info| info.ty == xr::SwapchainImageWaitInfo::TYPE)
-            .map(|info| info.timeout)
+        // SAFETY: valid usage: `info` is valid.
+        let info = unsafe { info.as_ref() }?;
+        (info.ty == xr::SwapchainImageWaitInfo::TYPE).then_some(info.timeout)
     };
     let ours = |substitute: &Substitute, is_free: &dyn Fn(u32, xr::Duration) -> bool| {
         let Some(timeout) = timeout() else { return xr::Result::ERROR_VALIDATION_FAILURE };
