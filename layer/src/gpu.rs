@@ -6,6 +6,7 @@
 
 mod app_commands;
 pub mod barrier;
+mod budget;
 mod buffer;
 mod commands;
 mod compare;
@@ -53,10 +54,11 @@ pub use shared::Shared;
 
 use crate::link::DeviceRecord;
 use ash::vk;
+use budget::MemoryBudget;
 use commands::CommandRing;
 use functions::Functions;
 use shared::Left;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use submit_times::{SubmitTime, SubmitTimes};
 
@@ -72,6 +74,10 @@ pub struct Gpu {
     limits: vk::PhysicalDeviceLimits,
     is_software: bool,
     memory: vk::PhysicalDeviceMemoryProperties,
+    /// Nothing where the device does not say.
+    budget: Option<MemoryBudget>,
+    /// Memory of the objects made with it, bytes.
+    memory_used: AtomicU64,
     queue: vk::Queue,
     /// Nothing where there is no queue to submit to.
     commands: Mutex<Option<CommandRing>>,
@@ -206,6 +212,9 @@ impl Gpu {
             limits: properties.limits,
             is_software: properties.device_type == vk::PhysicalDeviceType::CPU,
             memory,
+            // SAFETY: the record is of a live device, as `# Safety` demands.
+            budget: unsafe { MemoryBudget::of(record) },
+            memory_used: AtomicU64::new(0),
             queue: vk::Queue::null(),
             commands: Mutex::default(),
             shared: None,
@@ -317,6 +326,13 @@ impl Gpu {
         }
         let commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         commands.as_ref().is_some_and(|ring| ring.is_finished(&self.device, submit))
+    }
+
+    /// Whether the GPU still works on a submit; not where the device is lost or hangs. Waits for nothing.
+    pub(crate) fn is_under_way(&self, submit: u64) -> bool {
+        let commands = || self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        !self.is_abandoned()
+            && commands().as_ref().is_some_and(|ring| ring.is_under_way(&self.device, submit))
     }
 
     /// After a failed wait, the objects in use on the GPU are unknown.

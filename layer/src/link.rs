@@ -79,6 +79,10 @@ pub struct LinkTable {
     /// The layout in which the application's submits left a swapchain's image; COLOR_ATTACHMENT_OPTIMAL, as OpenXR has it, for an image
     /// with an unknown layout.
     pub layout: unsafe extern "C" fn(device: vk::Device, image: vk::Image) -> vk::ImageLayout,
+    /// Whether the application's submits to queues other than that one (family, index) have used a swapchain's image, or, before
+    /// any submit with it, could: 1, or 0.
+    pub is_used_beside:
+        unsafe extern "C" fn(device: vk::Device, image: vk::Image, queue: *const [u32; 2]) -> u32,
     /// Writes the decision of that index, counted from 0 over all devices of the process, to `record`; returns 1, or 0 if there are fewer.
     /// It waits for nothing.
     pub decision: unsafe extern "C" fn(index: u32, record: *mut DecisionRecord) -> u32,

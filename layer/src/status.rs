@@ -6,6 +6,7 @@
 
 mod applied_rates;
 mod decisions;
+mod history_too_large;
 mod quiet;
 mod signal;
 mod snapshot;
@@ -15,6 +16,7 @@ pub use decisions::{
     Decision, Topic, all as all_decisions, count as decision_count, decided, decision,
     take_over as take_over_decision,
 };
+pub use history_too_large::HistoryTooLarge;
 pub use quiet::Quiet;
 pub use signal::SignalQuality;
 pub use snapshot::{GateStatus, StatusSnapshot};

@@ -66,10 +66,24 @@ pub struct Status {
     pub rates_gate: Gate,
     /// The gate of re-use.
     pub reuse_gate: Gate,
+    /// Device memory of the session.
+    pub memory: Memory,
     /// Whether colour is removed at this moment.
     pub attenuates_colour: bool,
     /// The debug view over the pictures.
     pub debug_view: View,
+}
+
+/// Device memory of the layer's images and buffers for a session.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Memory {
+    /// All of it, MiB.
+    pub all_mib: f32,
+    /// That of the pictures that re-use keeps, MiB.
+    pub reuse_mib: f32,
+    /// Why re-use keeps no pictures of a swapchain, for lack of memory; empty otherwise.
+    pub refused: String,
 }
 
 /// A decision on a device or a kind of passes.

@@ -7,6 +7,7 @@
 
 pub mod artifacts;
 pub mod break_even;
+pub mod churn;
 pub mod compare;
 pub mod demo;
 pub mod detail;

@@ -18,7 +18,7 @@ use parafovea_manifest::install::{AUDIO_LIBRARY_NAME, LIBRARY_NAME};
 use parafovea_test_layers::validation::VALIDATION_LAYER;
 use parafovea_test_layers::{
     COSTS_FILE_VARIABLE, COSTS_VARIABLE, COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, FAULT_FILE_VARIABLE,
-    FAULT_VARIABLE, PlantedCosts, SAMPLES_FILE_VARIABLE, SHADING_RATE_FILE_VARIABLE,
+    FAULT_VARIABLE, LIVE_FILE_VARIABLE, PlantedCosts, SAMPLES_FILE_VARIABLE, SHADING_RATE_FILE_VARIABLE,
     SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile, TIMES_FILE_VARIABLE, TestLayer, VulkanFault,
 };
 use std::ffi::OsString;
@@ -248,6 +248,12 @@ impl Run {
         self.env(COSTS_VARIABLE, serde_json::to_string(costs).unwrap_or_default())
     }
 
+    /// Counts live objects and device memory, directly below ours; [`Outcome::live_objects`] has the counts.
+    pub fn live_counted(mut self) -> Self {
+        self.test_layers.insert(0, TestLayer::Live);
+        self.env(&TestLayer::Calls.implicit_variable(), "1")
+    }
+
     /// Makes the runtime choose the first device whose name has this in it.
     pub fn device(mut self, name: &str) -> Self {
         name.clone_into(&mut self.scenario.vulkan.device);
@@ -342,6 +348,7 @@ impl Run {
         command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
         command.env(SAMPLES_FILE_VARIABLE, folder.path().join(SAMPLES_FILE));
         command.env(FAULT_FILE_VARIABLE, folder.path().join(FAULT_FILE));
+        command.env(LIVE_FILE_VARIABLE, folder.path().join(LIVE_FILE));
         command.env(TIMES_FILE_VARIABLE, folder.path().join(TIMES_FILE));
         command.env(COSTS_FILE_VARIABLE, folder.path().join(COSTS_FILE));
         command.env(SHADING_RATE_FILE_VARIABLE, folder.path().join(SHADING_RATE_FILE));
@@ -402,6 +409,9 @@ const SAMPLES_FILE: &str = "samples.jsonl";
 
 /// Where the layer that makes calls fail writes.
 const FAULT_FILE: &str = "faults.jsonl";
+
+/// Where the layer that counts live objects writes.
+const LIVE_FILE: &str = "live.jsonl";
 
 /// Where the layer that times command buffers writes.
 const TIMES_FILE: &str = "times.jsonl";

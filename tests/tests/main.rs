@@ -5,6 +5,7 @@
 mod audio_visual;
 mod break_even;
 mod capture;
+mod churn;
 mod configuration;
 mod conformance;
 mod container;

@@ -1,5 +1,6 @@
 //! Memory that frames leave behind in the process.
 
+use parafovea_test_layers::BUDGET_VARIABLE;
 #[cfg(target_arch = "x86_64")]
 use parafovea_tests::artifacts::Library;
 use parafovea_tests::run::{Application, Run};
@@ -41,6 +42,31 @@ fn stays_as_it_is_however_long_a_run() {
         let grown = growth_kib(&config);
         assert!(grown < 64.0, "{grown} KiB a frame with {rest:?}");
     }
+}
+
+/// The most device memory of the layer in a run with re-use, bytes, and its log, where the system has so much left for the process.
+fn memory_with(remaining: u64) -> (u64, String) {
+    const FRAMES: u64 = 40;
+    let application =
+        Application::ours("parafovea-zoo", &["--style", "render-pass", "--size", "128", "--frames", "40"])
+            .unwrap();
+    let config = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nbackend = \"mask\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n";
+    let run = Run::new(&application, &Scenario::new(FRAMES).sized(128, 128)).on(config).live_counted();
+    let run = run.env(BUDGET_VARIABLE, remaining.to_string());
+    let outcome = run.finish().unwrap().expect_frames(FRAMES).unwrap();
+    let most = outcome.live_objects().unwrap().iter().map(|live| live.own.most_memory).max();
+    (most.unwrap(), outcome.log)
+}
+
+/// The history of an eye is an image of 64 KiB or more, which an eighth of 256 KiB is less than.
+#[test]
+fn re_use_keeps_no_pictures_where_memory_is_short() {
+    let [(ample, told), (scarce, refused)] = [1 << 30, 1 << 18].map(memory_with);
+    assert!(ample >= scarce + 2 * 128 * 128 * 4, "{scarce} bytes instead of {ample}");
+    let reason = "no re-use in a swapchain: its history would take";
+    assert!(refused.contains(reason) && refused.contains("VK_EXT_memory_budget"), "{refused}");
+    assert!(!told.contains(reason), "{told}");
+    assert!(!refused.contains(" WARN ") && !refused.contains(" ERROR "), "{refused}");
 }
 
 /// How often the layer asks for memory in a run of so many frames of an application that makes nothing in them.

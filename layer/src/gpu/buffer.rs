@@ -1,5 +1,6 @@
 //! Parameters for the GPU, and results of it, in buffers that stay mapped, a part for each submit under way.
 
+use super::memory::OwnedMemory;
 use super::{Gpu, GpuError, Owned, SUBMITS_IN_FLIGHT, SlotIndex};
 use ash::vk;
 use std::marker::PhantomData;
@@ -10,7 +11,7 @@ use std::sync::Arc;
 struct MappedBuffer {
     // Dropped before the memory that it is bound to; freeing memory unmaps it.
     buffer: Owned<vk::Buffer>,
-    _memory: Owned<vk::DeviceMemory>,
+    _memory: OwnedMemory,
     mapped: NonNull<u8>,
     size: u64,
 }

@@ -273,6 +273,13 @@ impl CommandRing {
         status == Ok(true)
     }
 
+    /// Whether the GPU still works on a submit, as far as that can be known. Waits for nothing.
+    pub(super) fn is_under_way(&self, device: &ash::Device, submit: u64) -> bool {
+        let slot = self.slots.iter().find(|slot| slot.submit == submit && submit != 0);
+        // SAFETY: the fence belongs to the ring of this live device, and was submitted.
+        slot.is_some_and(|slot| unsafe { device.get_fence_status(slot.fence) } == Ok(false))
+    }
+
     /// Waits for all that is under way.
     pub(super) fn wait_all(&self, device: &ash::Device) -> Result<(), GpuError> {
         self.wait(device, self.last_submit)

@@ -1,5 +1,6 @@
 //! Buffers that live on the device.
 
+use super::memory::OwnedMemory;
 use super::{Gpu, GpuError, Owned};
 use ash::vk;
 use std::sync::Arc;
@@ -8,7 +9,7 @@ use std::sync::Arc;
 pub(crate) struct DeviceBuffer {
     // Dropped before the memory that it is bound to.
     buffer: Owned<vk::Buffer>,
-    memory: Owned<vk::DeviceMemory>,
+    memory: OwnedMemory,
 }
 
 impl DeviceBuffer {
@@ -67,7 +68,7 @@ impl DeviceBuffer {
         gpu: &Arc<Gpu>,
         usage: vk::BufferUsageFlags,
         size: u64,
-        allocate: impl FnOnce(&vk::MemoryRequirements) -> Result<Owned<vk::DeviceMemory>, GpuError>,
+        allocate: impl FnOnce(&vk::MemoryRequirements) -> Result<OwnedMemory, GpuError>,
     ) -> Result<Self, GpuError> {
         let is_storage = usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER);
         if is_storage && size > u64::from(gpu.limits.max_storage_buffer_range) {

@@ -1,5 +1,6 @@
 //! Images of ours, with their memory, and views.
 
+use super::memory::OwnedMemory;
 use super::{Gpu, GpuError, ImagePart, Owned};
 use ash::vk;
 use std::sync::Arc;
@@ -27,7 +28,7 @@ impl ImageDescription<'_> {
 pub(crate) struct OwnedImage {
     // Dropped before the memory that it is bound to.
     image: Owned<vk::Image>,
-    _memory: Owned<vk::DeviceMemory>,
+    memory: OwnedMemory,
 }
 
 impl OwnedImage {
@@ -63,12 +64,17 @@ impl OwnedImage {
         // SAFETY: both are new, and the memory is what the image requires.
         unsafe { gpu.device.bind_image_memory(image.handle(), memory.handle(), 0) }
             .map_err(GpuError::from_call("vkBindImageMemory"))?;
-        Ok(Self { image, _memory: memory })
+        Ok(Self { image, memory })
     }
 
     /// The handle, valid as long as `self`.
     pub(crate) fn handle(&self) -> vk::Image {
         self.image.handle()
+    }
+
+    /// Size of its memory, bytes, and the index of the heap.
+    pub(crate) fn memory(&self) -> (u64, u32) {
+        (self.memory.bytes(), self.memory.heap())
     }
 }
 

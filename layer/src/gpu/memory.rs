@@ -3,6 +3,37 @@
 use super::{Gpu, GpuError, Owned};
 use ash::vk;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Memory of ours, which is freed and no longer counted when it is dropped.
+pub(crate) struct OwnedMemory {
+    memory: Owned<vk::DeviceMemory>,
+    bytes: u64,
+    heap: u32,
+}
+
+impl OwnedMemory {
+    /// The handle, valid as long as `self`.
+    pub(super) fn handle(&self) -> vk::DeviceMemory {
+        self.memory.handle()
+    }
+
+    /// Its size, bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// The index of its heap.
+    pub(super) fn heap(&self) -> u32 {
+        self.heap
+    }
+}
+
+impl Drop for OwnedMemory {
+    fn drop(&mut self) {
+        self.memory.gpu().memory_used.fetch_sub(self.bytes, Ordering::Relaxed);
+    }
+}
 
 impl Gpu {
     /// Allocates memory with all of `needed`.
@@ -10,17 +41,31 @@ impl Gpu {
         self: &Arc<Self>,
         requirements: &vk::MemoryRequirements,
         needed: vk::MemoryPropertyFlags,
-    ) -> Result<Owned<vk::DeviceMemory>, GpuError> {
+    ) -> Result<OwnedMemory, GpuError> {
         let kind = memory_type(&self.memory, requirements.memory_type_bits, needed)
             .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
         let info =
             vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
         // SAFETY: the device is live and has that memory type.
-        unsafe {
+        let memory = unsafe {
             let handle =
                 self.device.allocate_memory(&info, None).map_err(GpuError::from_call("vkAllocateMemory"))?;
-            Ok(Owned::new(self, handle, |device, handle| device.free_memory(handle, None)))
-        }
+            Owned::new(self, handle, |device, handle| device.free_memory(handle, None))
+        };
+        let (bytes, heap) = (requirements.size, self.memory.memory_types[kind as usize].heap_index);
+        self.memory_used.fetch_add(bytes, Ordering::Relaxed);
+        Ok(OwnedMemory { memory, bytes, heap })
+    }
+
+    /// Memory of all objects that were made with it, bytes.
+    pub fn memory_used(&self) -> u64 {
+        self.memory_used.load(Ordering::Relaxed)
+    }
+
+    /// Memory of a heap that the system still has for this process, bytes; `None` if the device does not say (VK_EXT_memory_budget).
+    pub(crate) fn remaining_memory(&self, heap: u32) -> Option<u64> {
+        // SAFETY: the physical device is one of this live instance.
+        unsafe { self.budget.as_ref()?.remaining(self.physical_device, heap) }
     }
 }
 

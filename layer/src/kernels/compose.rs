@@ -14,7 +14,7 @@ mod reuse;
 mod runtime_images;
 mod shape;
 
-pub use app_images::{APP_USAGE, AppImages};
+pub use app_images::{APP_USAGE, AppImages, ImageMemory};
 pub use depth::{DEPTH_USAGE, DepthShape, DepthSource, KeptDepth, PictureDepth};
 pub use parafovea_core::kernels::compose::ComposeParams;
 pub use pipelines::Parameters;
@@ -260,7 +260,8 @@ impl Compose {
         }
         self.uses.mark(submit);
         for job in jobs {
-            job.app.uses().mark(submit);
+            job.app.mark(job.app_index, submit);
+            earlier(job).for_each(|image| job.app.mark(image, submit));
             job.runtime.uses().mark(submit);
             depths(job).for_each(|depth| depth.mark(submit));
         }
@@ -352,6 +353,14 @@ fn check_reuse(job: &ComposeJob) -> Result<(), GpuError> {
         return Err(GpuError::Invalid("head movement without depth"));
     }
     depths(job).try_for_each(PictureDepth::check)
+}
+
+/// The application's images with earlier pictures that a job reads.
+fn earlier<'a>(job: &ComposeJob<'a>) -> impl Iterator<Item = u32> + use<'a> {
+    let completed = job.reuse.iter().map(|region| (&region.reuse, &region.earlier));
+    let compared = job.changes.iter().map(|region| (&region.reuse, &region.earlier));
+    let all = completed.chain(compared);
+    all.flat_map(|(reuse, earlier)| reuse.pictures().zip(earlier).map(|(_, earlier)| earlier.app_index))
 }
 
 /// The depth that a job reads.

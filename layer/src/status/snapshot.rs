@@ -1,6 +1,6 @@
 //! Status that changes from frame to frame.
 
-use super::SignalQuality;
+use super::{HistoryTooLarge, SignalQuality};
 use crate::config::{AudioSource, DebugView, GazeSource};
 use crate::inputs::gaze::auto::Holder;
 use crate::inputs::gaze::osc::OscStatus;
@@ -58,6 +58,12 @@ pub struct StatusSnapshot {
     pub rates: GateStatus,
     /// The gate of re-use.
     pub reuse: GateStatus,
+    /// Device memory of the session, bytes.
+    pub memory: u64,
+    /// Device memory of the pictures that re-use keeps, bytes.
+    pub reuse_memory: u64,
+    /// Why it keeps none of a swapchain.
+    pub reuse_refused: Option<HistoryTooLarge>,
     /// Whether colour is removed.
     pub attenuates_colour: bool,
     /// The requested debug view.
@@ -92,6 +98,9 @@ impl Default for StatusSnapshot {
             shaded: 1.0,
             rates: GateStatus::default(),
             reuse: GateStatus::default(),
+            memory: 0,
+            reuse_memory: 0,
+            reuse_refused: None,
             attenuates_colour: false,
             debug_view: DebugView::None,
             debug_view_is_asked: false,
@@ -151,6 +160,12 @@ impl StatusSnapshot {
         status.rates = self.rates_status();
         status.rates_gate = self.rates.status();
         status.reuse_gate = self.reuse.status();
+        let mib = |bytes: u64| rounded(bytes as f32 / (1 << 20) as f32, 10.0);
+        status.memory = status::Memory {
+            all_mib: mib(self.memory),
+            reuse_mib: mib(self.reuse_memory),
+            refused: self.reuse_refused.map_or(String::new(), |reason| reason.to_string()),
+        };
         status.attenuates_colour = self.attenuates_colour;
         status.debug_view = status::View {
             name: self.debug_view.name().to_owned(),

@@ -4,7 +4,7 @@ use super::candidates::Candidates;
 use super::frame::Frame;
 use super::functions::ArmedTable;
 use super::layouts::Layouts;
-use super::objects::{Image, Objects};
+use super::objects::{Image, Objects, QueueId};
 use super::perception::Perception;
 use super::pre_submit::{PreSubmitRing, Submitter};
 use super::runtime_section;
@@ -157,6 +157,19 @@ impl Armed {
             }
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
         }
+    }
+
+    /// No session is bound to the device any more.
+    pub fn session_ended(&self) {
+        self.perception.forget();
+        if let Some(functions) = self.functions() {
+            self.rings.all().iter().for_each(|ring| ring.poll(functions));
+        }
+    }
+
+    /// Whether the application uses a swapchain's image on queues other than that one; before any submit with the image, whether it could.
+    pub fn is_used_beside(&self, image: vk::Image, queue: QueueId) -> bool {
+        self.layouts.is_used_beside(image, queue).unwrap_or_else(|| self.objects.has_queue_beside(queue))
     }
 
     /// Forgets the passes that drew to an image that is about to be destroyed: the GPU is done with it.

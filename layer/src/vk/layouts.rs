@@ -1,26 +1,44 @@
-//! The layouts of virtual swapchains' images, as the application leaves them.
+//! The layouts of virtual swapchains' images, as the application leaves them, and the queues that it uses them on.
 //!
 //! By OpenXR an image is COLOR_ATTACHMENT_OPTIMAL when it is released (XR_KHR_vulkan_enable, "Swapchain Image Layout"). Engines exist that
 //! leave it as they last used it, and runtimes that do not mind.
 
+use super::objects::QueueId;
 use ash::vk;
 use smallvec::SmallVec;
 use std::sync::{PoisonError, RwLock};
 
-/// Layouts of the images of a device's virtual swapchains, by submitted commands.
+/// State of the images of a device's virtual swapchains, by submitted commands.
 #[derive(Default)]
-pub struct Layouts(RwLock<SmallVec<[(vk::Image, vk::ImageLayout); 16]>>);
+pub struct Layouts(RwLock<SmallVec<[Followed; 16]>>);
+
+/// An image that is followed.
+struct Followed {
+    image: vk::Image,
+    layout: vk::ImageLayout,
+    /// Queues of submits that used it.
+    queues: SmallVec<[QueueId; 2]>,
+    /// Whether a queue used it that nobody knows.
+    is_used_elsewhere: bool,
+}
+
+impl Followed {
+    fn new(image: vk::Image) -> Self {
+        let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        Self { image, layout, queues: SmallVec::new(), is_used_elsewhere: false }
+    }
+}
 
 impl Layouts {
     /// Begins to follow an image, which is COLOR_ATTACHMENT_OPTIMAL.
     pub fn follow(&self, image: vk::Image) {
         self.forget(image);
-        self.write(|images| images.push((image, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)));
+        self.write(|images| images.push(Followed::new(image)));
     }
 
     /// An image is none of a swapchain's any more.
     pub fn forget(&self, image: vk::Image) {
-        self.write(|images| images.retain(|(known, _)| *known != image));
+        self.write(|images| images.retain(|known| known.image != image));
     }
 
     /// Whether no image is followed.
@@ -30,23 +48,39 @@ impl Layouts {
 
     /// The layout of an image by all that was submitted; `None` if it is not followed.
     pub fn of(&self, image: vk::Image) -> Option<vk::ImageLayout> {
-        self.read(|images| images.iter().find(|(known, _)| *known == image).map(|(_, layout)| *layout))
+        self.read(|images| images.iter().find(|known| known.image == image).map(|known| known.layout))
     }
 
-    /// An image that may be followed is in this layout after the submitted commands.
-    pub fn set(&self, image: vk::Image, layout: vk::ImageLayout) {
+    /// Whether submits to queues other than `queue` have used an image; `None` before any submit with it.
+    pub fn is_used_beside(&self, image: vk::Image, queue: QueueId) -> Option<bool> {
+        self.read(|images| {
+            let Followed { queues, is_used_elsewhere, .. } =
+                images.iter().find(|known| known.image == image)?;
+            let is_beside = *is_used_elsewhere || queues.iter().any(|other| *other != queue);
+            (is_beside || !queues.is_empty()).then_some(is_beside)
+        })
+    }
+
+    /// Commands were submitted to a queue that leave images, which may be followed, in these layouts.
+    pub fn submitted(&self, queue: Option<QueueId>, layouts: &[(vk::Image, vk::ImageLayout)]) {
         self.write(|images| {
-            if let Some((_, known)) = images.iter_mut().find(|(known, _)| *known == image) {
-                *known = layout;
+            for (image, layout) in layouts {
+                let Some(known) = images.iter_mut().find(|known| known.image == *image) else { continue };
+                known.layout = *layout;
+                match queue {
+                    Some(queue) if known.queues.contains(&queue) => {}
+                    Some(queue) => known.queues.push(queue),
+                    None => known.is_used_elsewhere = true,
+                }
             }
         });
     }
 
-    fn read<T>(&self, act: impl FnOnce(&[(vk::Image, vk::ImageLayout)]) -> T) -> T {
+    fn read<T>(&self, act: impl FnOnce(&[Followed]) -> T) -> T {
         act(&self.0.read().unwrap_or_else(PoisonError::into_inner))
     }
 
-    fn write(&self, act: impl FnOnce(&mut SmallVec<[(vk::Image, vk::ImageLayout); 16]>)) {
+    fn write(&self, act: impl FnOnce(&mut SmallVec<[Followed; 16]>)) {
         act(&mut self.0.write().unwrap_or_else(PoisonError::into_inner));
     }
 }
@@ -64,8 +98,7 @@ mod tests {
         assert!(layouts.is_empty());
         layouts.follow(ours);
         assert_eq!(layouts.of(ours), Some(Layout::COLOR_ATTACHMENT_OPTIMAL));
-        layouts.set(ours, Layout::SHADER_READ_ONLY_OPTIMAL);
-        layouts.set(other, Layout::GENERAL);
+        layouts.submitted(None, &[(ours, Layout::SHADER_READ_ONLY_OPTIMAL), (other, Layout::GENERAL)]);
         assert_eq!(
             [ours, other].map(|image| layouts.of(image)),
             [Some(Layout::SHADER_READ_ONLY_OPTIMAL), None]
@@ -75,5 +108,28 @@ mod tests {
         assert_eq!(layouts.of(ours), Some(Layout::COLOR_ATTACHMENT_OPTIMAL));
         layouts.forget(ours);
         assert!(layouts.is_empty());
+    }
+
+    #[test]
+    fn a_queue_beside_the_sessions_is_noticed() {
+        let layouts = Layouts::default();
+        let [one, two, three] = [1, 2, 3].map(vk::Image::from_raw);
+        let [session, second, family] =
+            [(0, 0), (0, 1), (1, 0)].map(|(family, index)| QueueId { family, index });
+        [one, two, three].into_iter().for_each(|image| layouts.follow(image));
+        let submit = |queue, image| layouts.submitted(queue, &[(image, Layout::COLOR_ATTACHMENT_OPTIMAL)]);
+        let beside = || [one, two, three].map(|image| layouts.is_used_beside(image, session));
+        assert_eq!(beside(), [None; 3]);
+        [one, two, three].into_iter().for_each(|image| submit(Some(session), image));
+        assert_eq!(beside(), [Some(false); 3]);
+        submit(Some(second), one);
+        submit(Some(family), two);
+        submit(None, three);
+        assert_eq!(beside(), [Some(true); 3]);
+        // For ever: a frame in which all is on one queue says nothing of the next.
+        submit(Some(session), one);
+        assert_eq!(beside(), [Some(true); 3]);
+        layouts.follow(one);
+        assert_eq!(beside(), [None, Some(true), Some(true)]);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::armed::Armed;
 use super::frame::Log;
+use super::objects::QueueId;
 use super::timing::FrameTime;
 use super::{device, runtime_section};
 use crate::abi::guard;
@@ -28,6 +29,7 @@ static TABLE: LinkTable = LinkTable {
     copy_rates,
     when_it_ends,
     layout,
+    is_used_beside,
     decision,
 };
 
@@ -69,7 +71,7 @@ unsafe extern "C" fn set_active(device: vk::Device, active: u32) {
             if let Some(device) = device::of(device) {
                 device.set_active(active != 0);
                 if let (0, Some(armed)) = (active, &device.armed) {
-                    armed.perception.forget();
+                    armed.session_ended();
                 }
             }
         },
@@ -299,6 +301,20 @@ unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
                 armed.when_it_ends(call);
                 1
             })
+        },
+    )
+}
+
+unsafe extern "C" fn is_used_beside(device: vk::Device, image: vk::Image, queue: *const [u32; 2]) -> u32 {
+    // SAFETY: the other half passes a live device and two numbers (link.rs).
+    guard(
+        "vkGetParafoveaLink.is_used_beside",
+        || 1,
+        |_| unsafe {
+            let known = device::of(device);
+            let armed = known.as_ref().and_then(|known| known.armed.as_ref());
+            let [family, index] = *queue;
+            armed.map_or(0, |armed| u32::from(armed.is_used_beside(image, QueueId { family, index })))
         },
     )
 }

@@ -72,6 +72,11 @@ impl Objects {
         self.queues.get(queue)
     }
 
+    /// Whether the application has asked for another queue than that one.
+    pub fn has_queue_beside(&self, queue: QueueId) -> bool {
+        self.queues.all().iter().any(|other| *other != queue)
+    }
+
     /// A live command pool.
     pub fn pool(&self, pool: vk::CommandPool) -> Option<Arc<Pool>> {
         self.pools.get(pool)

@@ -122,6 +122,13 @@ impl PreSubmitRing {
         kept.append(&mut slots);
     }
 
+    /// Lets go of all that the GPU is done with: no submit may follow for long.
+    pub fn poll(&self, functions: &Functions) {
+        let mut slots = std::mem::take(&mut *self.lock());
+        slots.iter_mut().for_each(|slot| slot.poll(&functions.device));
+        self.put_back(slots);
+    }
+
     /// Waits until the GPU is done with all that is under way.
     pub fn wait(&self, functions: &Functions) {
         let mut slots = std::mem::take(&mut *self.lock());

@@ -106,8 +106,8 @@ unsafe fn prepare(
         }
         let recorded = buffer.recorded();
         if is_followed {
-            for (image, layout) in &recorded.layouts {
-                armed.layouts.set(*image, *layout);
+            if !recorded.layouts.is_empty() {
+                armed.layouts.submitted(armed.objects.queue(queue), &recorded.layouts);
             }
             if armed.follows_passes() {
                 recognise_passes(armed, queue, &recorded, &mut followed);

@@ -36,6 +36,11 @@ impl<K: Eq + Hash + Copy, V: Clone> Table<K, V> {
         self.0.entry(key).or_insert_with(|| new.clone()).value().clone()
     }
 
+    /// The kept values of all objects.
+    pub fn all(&self) -> Vec<V> {
+        self.0.iter().map(|found| found.value().clone()).collect()
+    }
+
     /// Forgets an object.
     pub fn remove(&self, key: K) -> Option<V> {
         self.0.remove(&key).map(|(_, value)| value)

@@ -287,6 +287,8 @@ pub fn status(
             .is_some_and(|view| active.debug_views().is_drawn(view, frames)),
         ..StatusSnapshot::default()
     };
+    snapshot.memory = active.made_tools().map_or(0, |tools| tools.gpu.memory_used());
+    (snapshot.reuse_memory, snapshot.reuse_refused) = swapchain::history_memory(session.handle);
     state.planning().write_status(config, &mut snapshot);
     session.gaze.write_status(&mut snapshot);
     snapshot.gaze_is_given = session.offer.as_ref().is_some_and(SessionOffer::is_given);

@@ -9,6 +9,8 @@ mod depth;
 mod description;
 mod drawn_over;
 mod eligibility;
+mod free;
+mod history_memory;
 mod images;
 mod ring;
 mod substitute;
@@ -26,6 +28,7 @@ use super::instance::next_of_any;
 use super::session::Session;
 use crate::abi::{attempt, guard};
 use crate::registry::Registry;
+use crate::status::HistoryTooLarge;
 use acquired_images::AcquiredImages;
 use ash::vk;
 use depth::Depth;
@@ -130,6 +133,16 @@ static SWAPCHAINS: Registry<xr::Swapchain, Swapchain> = Registry::new();
 /// The virtual swapchains of a session. Allocates nothing for up to eight.
 pub fn virtual_ones(session: xr::Session) -> SmallVec<[Arc<Swapchain>; 8]> {
     SWAPCHAINS.filter(|swapchain| swapchain.session.handle == session && swapchain.substitute.is_some())
+}
+
+/// Device memory of the pictures that the virtual swapchains of a session keep for re-use, bytes, and why one of them keeps none.
+pub fn history_memory(session: xr::Session) -> (u64, Option<HistoryTooLarge>) {
+    virtual_ones(session)
+        .iter()
+        .filter_map(|swapchain| swapchain.substitute.as_ref())
+        .fold((0, None), |(bytes, refused), substitute| {
+            (bytes + substitute.history_bytes, refused.or(substitute.refused))
+        })
 }
 
 /// Forgets the swapchains of a session, before it is destroyed: they go with it.

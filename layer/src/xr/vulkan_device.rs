@@ -229,6 +229,14 @@ impl VulkanDevice {
         unsafe { (self.table.layout)(self.record.device, image) }
     }
 
+    /// Whether the application has submitted commands that use an image of a swapchain to a queue other than the session's, or, before any
+    /// submit with it, could.
+    pub fn is_used_beside(&self, image: vk::Image) -> bool {
+        let queue = [self.queue.0, self.queue.1];
+        // SAFETY: the device is live, as above; the numbers are read during the call.
+        unsafe { (self.table.is_used_beside)(self.record.device, image, &queue) == 1 }
+    }
+
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.
     pub fn runtime_section(&self) -> RuntimeSection {
         // SAFETY: the function takes any thread at any time.

@@ -6,6 +6,7 @@
 mod allocations;
 mod change;
 mod failures;
+mod free;
 mod layouts;
 mod left;
 mod missing_barriers;

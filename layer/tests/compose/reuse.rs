@@ -1,6 +1,7 @@
 //! Pictures that are completed from earlier ones, compared with the reference.
 
 use crate::FORMATS;
+use crate::free::block;
 use crate::pictures::{FOV, picture, pixel_format, region};
 use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
@@ -183,6 +184,31 @@ fn what_stands_still_is_the_very_picture() {
         let result = completed(&vulkan, &swapchain, &frames, (&[], true, border));
         assert!(result == frames[3].pixels);
     }
+    vulkan.assert_valid();
+}
+
+/// An application that draws on another queue waits for all that read an image.
+#[test]
+fn images_of_earlier_pictures_are_in_use_too() {
+    let vulkan = Vulkan::new();
+    let swapchain = Swapchain::with_images(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 64, 48, 1), IMAGES + 1);
+    let frames = frames([64, 48], 8, 0.0);
+    for (index, frame) in (0..).zip(&frames) {
+        swapchain.render(&vulkan, index, std::slice::from_ref(&frame.pixels));
+    }
+    let mut lists = TileLists::default();
+    lists.update(&reuse(&frames, true), 4.0, OLDEST);
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    let event = block(&vulkan);
+    let region = [reuse_region(&frames, &lists, true, 4.0)];
+    compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(0, &[]) }]).unwrap();
+    assert_eq!([0, 1, 2, 3, 4].map(|image| swapchain.app.is_free(image)), [false, false, false, false, true]);
+    // SAFETY: the event is live, and the queue nobody else's.
+    unsafe {
+        vulkan.device.set_event(event).unwrap();
+        vulkan.device.device_wait_idle().unwrap();
+    }
+    assert!((0..IMAGES).all(|image| swapchain.app.is_free(image)));
     vulkan.assert_valid();
 }
 

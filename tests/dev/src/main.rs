@@ -88,6 +88,9 @@ Usage: cargo dev TASK, in any folder of the repository
   sequences [COUNT]     run 100000, or COUNT, random sequences of OpenXR calls with and without the layer, hostile sequences, and random
                         Vulkan command buffers
   soak [--minutes N]    start and end an application repeatedly for half an hour, or N minutes: memory must not grow
+  soak churn [--minutes N] [STYLE]
+                        start and end sessions that make and destroy all that they draw to, at changing sizes, with every technique on, for an hour,
+                        or N minutes, in many rendering styles or one: the layer's memory and objects must not grow
   soak ears [--seconds N]
                         capture sound for an hour, or N seconds: memory must not grow
   help                  print this help

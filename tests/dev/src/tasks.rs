@@ -248,10 +248,11 @@ fn compare(arguments: &[String]) -> Result<(), String> {
 const COMPARED: [&str; 4] =
     ["--scenes", "courtyard", "--techniques", "chroma,rates balanced,reuse,everything"];
 
-/// Long checks: an application that starts and ends over and over, or listening for an hour.
+/// Long checks: an application that starts and ends over and over, one that makes and destroys all that it draws to, or listening for an hour.
 pub fn soak(arguments: &[String]) -> Result<(), String> {
     let (program, arguments) = match arguments {
         [first, rest @ ..] if first == "ears" => ("parafovea-soak-ears", rest),
+        [first, rest @ ..] if first == "churn" => ("parafovea-soak-churn", rest),
         all => ("parafovea-soak", all),
     };
     setup(Voice::Implied)?;

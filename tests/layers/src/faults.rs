@@ -20,7 +20,7 @@ pub const FAULT_VARIABLE: &str = "PARAFOVEA_TEST_FAULT";
 pub const FAULT_FILE_VARIABLE: &str = "PARAFOVEA_TEST_FAULT_FILE";
 
 /// Whose calls fail.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Whose {
     /// Parafovea's own.
@@ -69,8 +69,42 @@ struct Call {
 thread_local! {
     /// The application's call that goes through Parafovea on this thread.
     static PASSING: Cell<Option<Call>> = const { Cell::new(None) };
+    /// Whether calls of this thread are a stand-in's for a driver.
+    static OF_STAND_IN: Cell<bool> = const { Cell::new(false) };
     /// Whether this thread is the application's, or the runtime's.
     static IS_OTHERS: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whose a call is that has come down.
+fn whose(call: Call) -> Whose {
+    match PASSING.get() {
+        Some(passing) if passing == call => {
+            PASSING.set(None);
+            Whose::Application
+        }
+        _ => Whose::Own,
+    }
+}
+
+/// Whose a call of that function is that has come down, if it is not a submit. To be asked once a call.
+pub(crate) fn whose_call(name: &'static CStr) -> Whose {
+    if OF_STAND_IN.get() { Whose::Application } else { whose(Call { name, mark: 0 }) }
+}
+
+/// As long as it lives, calls of this thread that come down are none of Parafovea's: a test layer stands in for a driver.
+pub(crate) struct StandIn(());
+
+impl StandIn {
+    pub fn new() -> Self {
+        OF_STAND_IN.set(true);
+        Self(())
+    }
+}
+
+impl Drop for StandIn {
+    fn drop(&mut self) {
+        OF_STAND_IN.set(false);
+    }
 }
 
 /// The layer above Parafovea.
@@ -191,13 +225,7 @@ impl Faults {
 
     /// Counts a call, and says whether and how it is to fail.
     fn failure(&self, call: Call) -> Option<vk::Result> {
-        let whose = match PASSING.get() {
-            Some(passing) if passing == call => {
-                PASSING.set(None);
-                Whose::Application
-            }
-            _ => Whose::Own,
-        };
+        let whose = whose(call);
         let name = call.name.to_str().unwrap_or_default();
         let mut state = self.state();
         if whose == Whose::Own && !IS_OTHERS.get() {

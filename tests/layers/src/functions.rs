@@ -33,6 +33,8 @@ functions! {
     /// Queries of a physical device.
     PhysicalDeviceFunctions {
         memory_properties: PFN_vkGetPhysicalDeviceMemoryProperties = c"vkGetPhysicalDeviceMemoryProperties";
+        memory_properties2: PFN_vkGetPhysicalDeviceMemoryProperties2
+            = c"vkGetPhysicalDeviceMemoryProperties2" | c"vkGetPhysicalDeviceMemoryProperties2KHR";
         extensions: PFN_vkEnumerateDeviceExtensionProperties = c"vkEnumerateDeviceExtensionProperties";
         properties: PFN_vkGetPhysicalDeviceProperties = c"vkGetPhysicalDeviceProperties";
         features2: PFN_vkGetPhysicalDeviceFeatures2

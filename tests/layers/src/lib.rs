@@ -15,6 +15,7 @@
 //! - `VK_LAYER_PARAFOVEA_TEST_faults` makes chosen calls fail, directly below Parafovea, where `VK_LAYER_PARAFOVEA_TEST_calls`, above it,
 //!   tells whose they are ([`VulkanFault`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_costs` plants the GPU time of frames, and runs none of them ([`PlantedCosts`]).
+//! - `VK_LAYER_PARAFOVEA_TEST_live` counts live objects and device memory ([`LiveObjects`]), directly below Parafovea, with `calls` above it.
 //!
 //! # Order
 //!
@@ -35,6 +36,7 @@ mod faults;
 mod functions;
 mod interface;
 mod layer;
+mod live;
 mod manifest;
 mod pass_through;
 mod report;
@@ -51,6 +53,7 @@ pub use count::{
 };
 pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
 pub use faults::{FAULT_FILE_VARIABLE, FAULT_VARIABLE, FaultReport, VulkanFault, Whose};
+pub use live::{BUDGET_VARIABLE, Holdings, LIVE_FILE_VARIABLE, LiveObjects};
 pub use manifest::TestLayer;
 pub use shading_rate::{
     SHADING_RATE_FILE_VARIABLE, SHADING_RATE_GPU_VARIABLE, SHADING_RATE_PROFILE_VARIABLE,
@@ -202,4 +205,17 @@ pub unsafe extern "system" fn costs_vkNegotiateLoaderLayerInterfaceVersion(
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
     unsafe { layer::negotiate::<costs::Costs>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `live`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn live_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<live::Live>(interface) }
 }

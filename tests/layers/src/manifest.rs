@@ -22,17 +22,19 @@ pub enum TestLayer {
     ShadingRate,
     /// Offers a second queue where there is one.
     TwoQueues,
-    /// Tells [`TestLayer::Faults`] which calls are the application's.
+    /// Tells [`TestLayer::Faults`] and [`TestLayer::Live`] which calls are the application's.
     Calls,
     /// Makes chosen calls fail.
     Faults,
     /// Plants the GPU time of frames.
     Costs,
+    /// Counts live objects and device memory.
+    Live,
 }
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 11] = [
+    pub const ALL: [TestLayer; 12] = [
         TestLayer::PassThrough,
         TestLayer::Above,
         TestLayer::Count,
@@ -44,6 +46,7 @@ impl TestLayer {
         TestLayer::Calls,
         TestLayer::Faults,
         TestLayer::Costs,
+        TestLayer::Live,
     ];
 
     /// The last part of its name, which its entry point and its manifest's file have too.
@@ -60,6 +63,7 @@ impl TestLayer {
             TestLayer::Calls => "calls",
             TestLayer::Faults => "faults",
             TestLayer::Costs => "costs",
+            TestLayer::Live => "live",
         }
     }
 

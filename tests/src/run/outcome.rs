@@ -2,14 +2,14 @@
 
 use super::child::Exit;
 use super::validation::Findings;
-use super::{COSTS_FILE, COUNT_FILE, FAULT_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
+use super::{COSTS_FILE, COUNT_FILE, FAULT_FILE, LIVE_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
 use parafovea_test_layers::{
-    CostsReport, Count, Counted, FaultReport, GpuTime, GpuTimes, SampleCount, ShadingRateLine,
+    CostsReport, Count, Counted, FaultReport, GpuTime, GpuTimes, LiveObjects, SampleCount, ShadingRateLine,
 };
 use serde::de::DeserializeOwned;
 use std::os::unix::process::ExitStatusExt;
@@ -164,6 +164,14 @@ impl Outcome {
             Ok([device]) => Ok(device),
             Err(devices) => Err(self.failed(&format!("{} devices drew frames", devices.len()))),
         }
+    }
+
+    /// Counts of [`Run::live_counted`](super::Run::live_counted), one for each vkDeviceWaitIdle of the application, on all devices.
+    ///
+    /// # Errors
+    /// [`HarnessError::File`] where it was not there.
+    pub fn live_objects(&self) -> Result<Vec<LiveObjects>, HarnessError> {
+        self.reports(LIVE_FILE)
     }
 
     /// A layer's reports of each device, a line each.

@@ -233,6 +233,18 @@ impl Gpu {
         self.made.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(made);
     }
 
+    /// The number of kept objects.
+    pub fn made(&self) -> usize {
+        self.made.lock().unwrap_or_else(std::sync::PoisonError::into_inner).len()
+    }
+
+    /// Takes the objects that were kept after so many; the caller destroys them.
+    pub fn take_made(&self, after: usize) -> Vec<Made> {
+        let mut made = self.made.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let after = after.min(made.len());
+        made.split_off(after)
+    }
+
     /// Waits until the device is idle, and destroys the kept objects, the newest first.
     ///
     /// # Errors

@@ -25,12 +25,16 @@ pub use style::{Arrangement, Style, Threads};
 pub use styles::STYLES;
 pub use support::{Feature, Needs, OpenXr, Queues};
 pub use truth::{Eyes, PassSeen, PassTruth};
-pub use xr::{End, devices, run, shading_rates};
+pub use xr::{End, churn, devices, run, shading_rates};
 
 /// Prefix of the reason for a style that cannot run on this machine.
 pub const SKIPPED: &str = "skipped: no device with ";
 
-/// The style of this name; `random` is one, too, of which nothing is known beforehand.
+/// The style of this name; `random` and `new-targets` are some, too, of which nothing is known beforehand.
 pub fn style(name: &str) -> Option<&'static Style> {
-    STYLES.iter().copied().chain([&random::STYLE]).find(|style| style.name == name)
+    STYLES
+        .iter()
+        .copied()
+        .chain([&random::STYLE, &styles::new_targets::STYLE])
+        .find(|style| style.name == name)
 }

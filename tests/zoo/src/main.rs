@@ -1,9 +1,10 @@
 //! Shows the scene in one style, for so many frames.
 
 use clap::Parser;
-use parafovea_zoo::{End, Options, SKIPPED, STYLES, devices, run, shading_rates, style};
+use parafovea_zoo::{End, Options, SKIPPED, STYLES, churn, devices, run, shading_rates, style};
 use serde::Serialize;
 use std::process::ExitCode;
+use std::time::Duration;
 
 fn main() -> ExitCode {
     let options = Options::parse();
@@ -12,6 +13,9 @@ fn main() -> ExitCode {
     }
     if options.shading_rates {
         return print(shading_rates());
+    }
+    if let Some(seconds) = options.churn {
+        return ended("churn", churn(&options, Duration::from_secs(seconds)));
     }
     let Some(name) = options.style.as_deref().filter(|_| !options.list) else {
         for style in STYLES {
@@ -23,7 +27,11 @@ fn main() -> ExitCode {
         eprintln!("unknown style {name}; to list the styles: --list");
         return ExitCode::from(2);
     };
-    match run(style, &options) {
+    ended(name, run(style, &options))
+}
+
+fn ended(name: &str, end: anyhow::Result<End>) -> ExitCode {
+    match end {
         Ok(End::Shown) => ExitCode::SUCCESS,
         Ok(End::Skipped(lacking)) => {
             println!("{SKIPPED}{lacking}");

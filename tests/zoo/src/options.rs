@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[command(name = "parafovea-zoo", version)]
 pub struct Options {
     /// Name of the style
-    #[arg(long, required_unless_present_any = ["list", "devices", "shading_rates"])]
+    #[arg(long, required_unless_present_any = ["list", "devices", "shading_rates", "churn"])]
     pub style: Option<String>,
     /// Width and height of an eye buffer, in pixels
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=8192))]
@@ -31,6 +31,10 @@ pub struct Options {
     /// Attach and synchronise an action set, as applications with controllers do
     #[arg(long)]
     pub actions: bool,
+    /// For so many seconds sessions that show many styles, or the one of --style, at many sizes (--seed), and make and destroy all that each
+    /// needs
+    #[arg(long, value_name = "SECONDS")]
+    pub churn: Option<u64>,
     /// Print every render pass of every frame, one JSON object a line
     #[arg(long)]
     pub passes: bool,

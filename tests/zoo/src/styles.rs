@@ -20,6 +20,7 @@ mod msaa_passes;
 mod msaa_resolve;
 mod msaa_subpass_resolve;
 mod multiview;
+pub mod new_targets;
 mod new_views;
 mod occlusion;
 mod offscreen_tonemap;

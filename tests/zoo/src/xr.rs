@@ -1,5 +1,6 @@
 //! The OpenXR side: from the loader to the end of the session.
 
+mod churn;
 mod input;
 mod layers;
 mod slots;
@@ -20,6 +21,8 @@ use parafovea_test_layers::ShadingRateDevice;
 use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
 use std::time::Duration;
+
+pub use churn::churn;
 
 use input::Input;
 use layers::Layers;
@@ -122,8 +125,9 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     let session = unsafe { instance.create_session::<xr::Vulkan>(system, &gpu.session_info()) };
     let (session, waiter, stream) = session.context("creating the session")?;
     let input = options.actions.then(|| Input::attach(&instance, &session)).transpose().context("actions")?;
-    let mut show = Show { input, ..Show::new(style, options, &session, stream, &gpu)? };
-    let shown = show.run(&instance, waiter);
+    let course = Course { stream, waiter: Waiter::new(waiter, style.threads), is_running: false };
+    let mut show = Show { input, ..Show::new(style, options, &session, course, &gpu)? };
+    let shown = show.run(&instance, After::Exit);
     if shown.is_err() {
         // What the GPU still works with goes now.
         // SAFETY: the device is live, and no other thread uses its queues any more.
@@ -132,6 +136,22 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     shown?;
     gpu.destroy_made()?;
     Ok(End::Shown)
+}
+
+/// How far a session is in its states and frames.
+struct Course {
+    stream: xr::FrameStream<xr::Vulkan>,
+    waiter: Waiter,
+    is_running: bool,
+}
+
+/// What comes after the frames.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum After {
+    /// The session is asked to end, and followed until it has.
+    Exit,
+    /// Other frames of the same session.
+    Others,
 }
 
 /// The shown image, and its place.
@@ -145,7 +165,7 @@ struct Show<'g> {
     slots: Slots,
     space: xr::Space,
     input: Option<Input>,
-    stream: xr::FrameStream<xr::Vulkan>,
+    course: Course,
     session: xr::Session<xr::Vulkan>,
     /// Frames rendered so far.
     frame: u64,
@@ -158,7 +178,7 @@ impl<'g> Show<'g> {
         style: &'g Style,
         options: &'g Options,
         session: &xr::Session<xr::Vulkan>,
-        stream: xr::FrameStream<xr::Vulkan>,
+        course: Course,
         gpu: &'g Gpu,
     ) -> Result<Self> {
         let size = options.size;
@@ -193,7 +213,7 @@ impl<'g> Show<'g> {
             slots: Slots::new(gpu)?,
             space: session.create_reference_space(xr::ReferenceSpaceType::LOCAL, xr::Posef::IDENTITY)?,
             input: None,
-            stream,
+            course,
             session: session.clone(),
             frame: 0,
             exit_requested: false,
@@ -201,8 +221,8 @@ impl<'g> Show<'g> {
         })
     }
 
-    /// Follows the session's states until it has ended.
-    fn run(&mut self, instance: &xr::Instance, waiter: xr::FrameWaiter) -> Result<()> {
+    /// Follows the session's states through all frames.
+    fn run(&mut self, instance: &xr::Instance, after: After) -> Result<()> {
         let images = |swapchains: &[Swapchain]| swapchains.iter().map(|one| one.images.clone()).collect();
         let app = App {
             gpu: self.gpu,
@@ -216,29 +236,30 @@ impl<'g> Show<'g> {
             hidden: self.hidden_areas()?,
         };
         let mut record = (self.style.start)(&app).context("starting")?;
-        let mut waiter = Waiter::new(waiter, self.style.threads);
         let mut storage = xr::EventDataBuffer::new();
-        let mut running = false;
         loop {
             while let Some(event) = instance.poll_event(&mut storage)? {
                 let xr::Event::SessionStateChanged(change) = event else { continue };
                 match change.state() {
                     xr::SessionState::READY => {
                         self.session.begin(STEREO)?;
-                        running = true;
+                        self.course.is_running = true;
                     }
                     xr::SessionState::STOPPING => {
                         self.session.end()?;
-                        running = false;
+                        self.course.is_running = false;
                     }
                     xr::SessionState::EXITING => return Ok(()),
                     xr::SessionState::LOSS_PENDING => bail!("the session is about to be lost"),
                     _ => {}
                 }
             }
-            if !running {
+            if !self.course.is_running {
                 std::thread::sleep(Duration::from_millis(1));
                 continue;
+            }
+            if self.frame >= self.options.frames && after == After::Others {
+                return Ok(());
             }
             if self.frame >= self.options.frames && !self.exit_requested {
                 self.session.request_exit()?;
@@ -248,7 +269,7 @@ impl<'g> Show<'g> {
             if let Some(input) = &self.input {
                 input.synchronise(&self.session)?;
             }
-            let state = waiter.wait()?;
+            let state = self.course.waiter.wait()?;
             self.show(&app, &mut record, state).with_context(|| format!("frame {}", self.frame))?;
         }
     }
@@ -259,11 +280,11 @@ impl<'g> Show<'g> {
         record: &mut dyn FnMut(&Frame) -> Result<()>,
         state: xr::FrameState,
     ) -> Result<()> {
-        self.stream.begin()?;
+        self.course.stream.begin()?;
         let time = state.predicted_display_time;
         let opaque = xr::EnvironmentBlendMode::OPAQUE;
         if !state.should_render || self.exit_requested {
-            return Ok(self.stream.end(time, opaque, &[])?);
+            return Ok(self.course.stream.end(time, opaque, &[])?);
         }
         let (_, views) = self.session.locate_views(STEREO, time, &self.space)?;
         let views: [xr::View; 2] = views.try_into().ok().context("two views")?;
@@ -302,7 +323,7 @@ impl<'g> Show<'g> {
             shown: frame.shown.get(),
             size: app.size,
         };
-        layers.submit(&mut self.stream, time, &views)?;
+        layers.submit(&mut self.course.stream, time, &views)?;
         self.print_passes()?;
         self.frame += 1;
         Ok(())

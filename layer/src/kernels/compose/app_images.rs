@@ -5,7 +5,7 @@ use crate::gpu::barrier::APP_CREATED;
 use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, color_view, serial};
 use ash::vk;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicI32, AtomicU64, Ordering};
 
 /// Our usage of the application's images, besides its own: `compose` reads and draws them, `fill` copies them.
 pub const APP_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
@@ -25,9 +25,22 @@ pub struct AppImages {
     handles: Vec<vk::Image>,
     /// The layouts in which the application left them.
     layouts: Vec<AtomicI32>,
+    /// The submit that used each of them last; 0: none.
+    last_uses: Vec<AtomicU64>,
     shape: SwapchainShape,
+    /// Memory of one of them.
+    bytes: u64,
     serial: u64,
     gpu: Arc<Gpu>,
+}
+
+/// Memory of an image that was just made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImageMemory {
+    /// Its size, bytes.
+    pub bytes: u64,
+    /// What the system still has for this process in that heap, bytes; nothing where the device does not say.
+    pub remaining: Option<u64>,
 }
 
 impl AppImages {
@@ -37,6 +50,18 @@ impl AppImages {
     /// # Errors
     /// [`GpuError::Unsupported`] when the device has no such images; a failed call.
     pub fn new(gpu: &Arc<Gpu>, shape: &SwapchainShape, count: u32) -> Result<Self, GpuError> {
+        Self::with_count(gpu, shape, |_| count)
+    }
+
+    /// As [`Self::new`], as many as `count` says of the memory of one of them, at least one.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_count(
+        gpu: &Arc<Gpu>,
+        shape: &SwapchainShape,
+        count: impl FnOnce(ImageMemory) -> u32,
+    ) -> Result<Self, GpuError> {
         let view_formats = shape.listed_view_formats();
         let description = ImageDescription {
             format: shape.format,
@@ -48,8 +73,11 @@ impl AppImages {
             view_formats: &view_formats,
         };
         let uses = Uses::new(gpu);
-        let images =
-            (0..count).map(|_| OwnedImage::new(gpu, &description)).collect::<Result<Vec<_>, GpuError>>()?;
+        let first = OwnedImage::new(gpu, &description)?;
+        let (bytes, heap) = first.memory();
+        let count = count(ImageMemory { bytes, remaining: gpu.remaining_memory(heap) });
+        let others = (1..count).map(|_| OwnedImage::new(gpu, &description));
+        let images = std::iter::once(Ok(first)).chain(others).collect::<Result<Vec<_>, GpuError>>()?;
         let handles: Vec<vk::Image> = images.iter().map(OwnedImage::handle).collect();
         let views = handles
             .iter()
@@ -66,8 +94,10 @@ impl AppImages {
                 .iter()
                 .map(|_| AtomicI32::new(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL.as_raw()))
                 .collect(),
+            last_uses: handles.iter().map(|_| AtomicU64::new(0)).collect(),
             handles,
             shape: shape.clone(),
+            bytes,
             serial: serial(),
             gpu: Arc::clone(gpu),
         })
@@ -84,8 +114,27 @@ impl AppImages {
             }
             Ok(())
         })?;
-        self.uses.mark(submit);
+        (0..self.handles.len()).for_each(|image| self.mark(image as u32, submit));
         Ok(())
+    }
+
+    /// Notes that the submit of this number uses an image.
+    pub(in crate::kernels) fn mark(&self, image: u32, submit: u64) {
+        self.uses.mark(submit);
+        if let Some(last) = self.last_uses.get(image as usize) {
+            last.fetch_max(submit, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether the GPU is done with all work of ours on an image. Waits for nothing.
+    pub fn is_free(&self, image: u32) -> bool {
+        let last = self.last_uses.get(image as usize).map_or(0, |last| last.load(Ordering::Relaxed));
+        !self.gpu.is_under_way(last)
+    }
+
+    /// Memory of one of the images, bytes.
+    pub fn image_bytes(&self) -> u64 {
+        self.bytes
     }
 
     /// The images, in order.
@@ -113,10 +162,6 @@ impl AppImages {
     /// No other images have it.
     pub(in crate::kernels) fn serial(&self) -> u64 {
         self.serial
-    }
-
-    pub(in crate::kernels) fn uses(&self) -> &Uses {
-        &self.uses
     }
 
     /// The descriptor set that reads a layer of an image.

@@ -184,6 +184,9 @@ fn substitute(
     let substitute = Substitute::new(&tools.gpu, shape, (images, granted), least)
         .inspect_err(|error| error.log("swapchain left alone"))
         .ok()?;
+    if let Some(reason) = substitute.refused {
+        tracing::info!("no re-use in a swapchain: {reason}");
+    }
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(
         "swapchain of {width}x{height}x{} {:?} is virtual, {} images",

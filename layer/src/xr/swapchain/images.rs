@@ -149,14 +149,27 @@ pub unsafe extern "system" fn wait_image(
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.wait_swapchain_image)(handle, info) };
-    // SAFETY: valid usage: `info` is valid.
-    let ours = |substitute: &Substitute| match unsafe { info.as_ref() } {
-        Some(info) if info.ty == xr::SwapchainImageWaitInfo::TYPE => result_of(substitute.ring().wait()),
-        _ => xr::Result::ERROR_VALIDATION_FAILURE,
+    let timeout = || {
+        // SAFETY: valid usage: `info` is valid.
+        let info = unsafe { info.as_ref() }?;
+        (info.ty == xr::SwapchainImageWaitInfo::TYPE).then_some(info.timeout)
     };
-    let whichever = || substitute_of(&known).map_or_else(below, ours);
-    guard("xrWaitSwapchainImage", whichever, |answer| {
-        let result = answer.record(whichever());
+    let ours = |substitute: &Substitute, is_free: &dyn Fn(u32, xr::Duration) -> bool| {
+        let Some(timeout) = timeout() else { return xr::Result::ERROR_VALIDATION_FAILURE };
+        let awaited = substitute.ring().awaited();
+        match awaited {
+            Ok(image) if !is_free(image, timeout) => xr::Result::TIMEOUT_EXPIRED,
+            _ => result_of(substitute.ring().wait()),
+        }
+    };
+    let pass_on = || substitute_of(&known).map_or_else(below, |substitute| ours(substitute, &|_, _| true));
+    guard("xrWaitSwapchainImage", pass_on, |answer| {
+        let result = answer.record(match (&known, substitute_of(&known)) {
+            (Some(known), Some(substitute)) => {
+                ours(substitute, &|image, timeout| known.waits_until_free(substitute, image, timeout))
+            }
+            _ => below(),
+        });
         if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
             known.turns().waited();
         }

@@ -46,13 +46,18 @@ impl Ring {
         Ok(self.image_of(self.acquired))
     }
 
-    /// `xrWaitSwapchainImage`: for the oldest acquired image, unless none is acquired, or the one that was
-    /// waited for last is not released yet. There is never anything to wait for: what reads an image is
-    /// submitted to the queue before the application can submit what draws to it again.
-    pub fn wait(&mut self) -> Result<(), CallOrderInvalid> {
+    /// The image that `xrWaitSwapchainImage` is for: the oldest acquired one, unless none is acquired, or the one that was waited for last is not
+    /// released yet.
+    pub fn awaited(&self) -> Result<u32, CallOrderInvalid> {
         if self.waited == self.acquired || self.waited > self.released {
             return Err(CallOrderInvalid);
         }
+        Ok(self.image_of(self.waited + 1))
+    }
+
+    /// `xrWaitSwapchainImage`, of the image of [`Self::awaited`].
+    pub fn wait(&mut self) -> Result<(), CallOrderInvalid> {
+        self.awaited()?;
         self.waited += 1;
         Ok(())
     }

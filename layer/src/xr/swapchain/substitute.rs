@@ -1,9 +1,11 @@
 //! The parts of a virtual swapchain: our images for the application, and the runtime's images.
 
+use super::history_memory::images;
 use super::{Ring, Target};
 use crate::gpu::{Gpu, GpuError};
 use crate::kernels::analyze;
 use crate::kernels::compose::{AppImages, RuntimeImages, SwapchainShape, stores_unit_range};
+use crate::status::HistoryTooLarge;
 use ash::vk;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
@@ -27,13 +29,17 @@ pub struct Substitute {
     pub format: vk::Format,
     /// Whether the runtime's images can be analysed.
     pub can_be_analyzed: bool,
+    /// Device memory of the images beyond the runtime's number, which re-use needs, bytes.
+    pub history_bytes: u64,
+    /// Why there are none of those.
+    pub refused: Option<HistoryTooLarge>,
     ready: Once,
     ring: Mutex<Ring>,
     target: Mutex<Target>,
 }
 
 impl Substitute {
-    /// Makes as many images as the runtime has, and at least `least`. The runtime's may be used for `granted`.
+    /// Makes as many images as the runtime has, and at least `least` where their memory is no burden. The runtime's may be used for `granted`.
     ///
     /// # Errors
     ///
@@ -44,10 +50,20 @@ impl Substitute {
         (runtime_images, granted): (Vec<vk::Image>, vk::ImageUsageFlags),
         least: u32,
     ) -> Result<Self, GpuError> {
-        let count = least.max(runtime_images.len() as u32);
+        let usual = runtime_images.len() as u32;
+        let mut refused = None;
+        let app = AppImages::with_count(gpu, shape, |memory| {
+            images(usual, least, memory).unwrap_or_else(|reason| {
+                refused = Some(reason);
+                usual
+            })
+        })?;
+        let count = app.images().len() as u32;
         Ok(Self {
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
-            app: AppImages::new(gpu, shape, count)?,
+            history_bytes: u64::from(count.saturating_sub(usual)) * app.image_bytes(),
+            refused,
+            app,
             extent: shape.extent,
             array_layers: shape.array_layers,
             is_unit_range: stores_unit_range(shape.format),

@@ -1,7 +1,7 @@
 //! The status, for people.
 
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{Found, Gate, Rates, Settings, Sound, Status, effect};
+use parafovea_manifest::status::{Found, Gate, Memory, Rates, Settings, Sound, Status, effect};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -50,6 +50,9 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         };
         line("rates", &gate(&status.rates_gate));
         line("re-use", &format!("{}{}", gate(&status.reuse_gate), slow(status)));
+        if status.memory.all_mib > 0.0 || !status.memory.refused.is_empty() {
+            line("memory", &memory(&status.memory));
+        }
         line("chroma", if status.attenuates_colour { "attenuated in the periphery" } else { "unchanged" });
         line("view", &view(status));
         line("passes", &format!("{} with shading rates in the last frame", status.passes_matched));
@@ -70,6 +73,12 @@ fn settings(settings: &Settings) -> String {
         (file, false) => file.to_owned(),
         (file, true) => format!("{file}: has an error and is ignored; the log names the line"),
     }
+}
+
+fn memory(memory: &Memory) -> String {
+    let Memory { all_mib, reuse_mib, refused } = memory;
+    let used = format!("{all_mib:.1} MiB on the device, {reuse_mib:.1} MiB of them for re-use");
+    if refused.is_empty() { used } else { format!("{used}; no re-use in a swapchain: {refused}") }
 }
 
 fn sound(sound: &Sound) -> String {
@@ -215,6 +224,7 @@ mod tests {
                 ratio: Some([0.65, 0.6, 0.7]),
             },
             reuse_gate: Gate { mode: "off".to_owned(), ..Gate::default() },
+            memory: Memory { all_mib: 81.25, reuse_mib: 40.0, refused: String::new() },
             ..Status::default()
         }
     }
@@ -230,6 +240,7 @@ mod tests {
             "  tiles     77 % of the pixels shaded; tiles: 4x4 25 %, 1x1 75 %",
             "  rates     on: a saving of 35 % (30 to 40 %)",
             "  re-use    off",
+            "  memory    81.2 MiB on the device, 40.0 MiB of them for re-use",
             "  decisions no rates",
             "            pass 64x64: the scene",
             "  settings  defaults; no configuration file",

@@ -38,6 +38,26 @@ impl Gpu {
         self.transition(commands, to, DESTINATION, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
     }
 
+    /// Scales an image that is in TRANSFER_SRC_OPTIMAL into one that becomes a colour target.
+    pub fn scale(&self, commands: vk::CommandBuffer, from: &Image, to: &Image) {
+        let corners = |image: &Image| {
+            let [x, y] = image.extent.map(|length| length as i32);
+            [vk::Offset3D::default(), vk::Offset3D { x, y, z: 1 }]
+        };
+        let region = vk::ImageBlit::default()
+            .src_subresource(from.subresource())
+            .src_offsets(corners(from))
+            .dst_subresource(to.subresource())
+            .dst_offsets(corners(to));
+        self.transition(commands, to, vk::ImageLayout::UNDEFINED, DESTINATION);
+        // SAFETY: as above.
+        unsafe {
+            let linear = vk::Filter::LINEAR;
+            self.cmd_blit_image(commands, from.handle, SOURCE, to.handle, DESTINATION, &[region], linear);
+        }
+        self.transition(commands, to, DESTINATION, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+    }
+
     /// Halves the first level of an image, in SHADER_READ_ONLY_OPTIMAL, into the next ones, down to the last.
     pub fn fill_levels(&self, commands: vk::CommandBuffer, image: &Image) {
         let sampled = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;

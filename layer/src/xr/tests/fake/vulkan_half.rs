@@ -93,6 +93,7 @@ pub fn table() -> LinkTable {
         copy_rates,
         when_it_ends,
         layout,
+        is_used_beside,
         decision,
     }
 }
@@ -143,6 +144,11 @@ unsafe extern "C" fn copy_rates(_: vk::Device, _: *const RatesCopyRecord) -> u32
 unsafe extern "C" fn layout(_: vk::Device, _: vk::Image) -> vk::ImageLayout {
     note("layout");
     vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL
+}
+
+unsafe extern "C" fn is_used_beside(_: vk::Device, _: vk::Image, _: *const [u32; 2]) -> u32 {
+    note("is_used_beside");
+    0
 }
 
 unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {

@@ -1,0 +1,49 @@
+//! Memory of the pictures that re-use keeps: images of a virtual swapchain beyond those that the runtime's has.
+
+use crate::kernels::compose::ImageMemory;
+use crate::status::HistoryTooLarge;
+
+/// The history may take this share of the memory that the system still has for the process: one part in so many. Two eyes take it twice, and the rest is
+/// the application's.
+const SHARE: u64 = 8;
+
+/// How many images a virtual swapchain gets whose runtime has `usual` of them and whose re-use wants `least`: no more than usual where the others
+/// take too much of the remaining memory. Devices that do not say how much remains have enough.
+///
+/// # Errors
+/// There is too little.
+pub fn images(usual: u32, least: u32, memory: ImageMemory) -> Result<u32, HistoryTooLarge> {
+    let needs = u64::from(least.saturating_sub(usual)).saturating_mul(memory.bytes);
+    match memory.remaining {
+        Some(remaining) if needs > remaining / SHARE => {
+            Err(HistoryTooLarge { needs, remaining, share: SHARE })
+        }
+        _ => Ok(least.max(usual)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MIB: u64 = 1 << 20;
+
+    #[test]
+    fn history_takes_an_eighth_of_the_remaining_memory_at_most() {
+        let of = |remaining| images(3, 7, ImageMemory { bytes: 10 * MIB, remaining });
+        assert_eq!(of(None), Ok(7));
+        assert_eq!(of(Some(320 * MIB)), Ok(7));
+        let refused = HistoryTooLarge { needs: 40 * MIB, remaining: 320 * MIB - 1, share: 8 };
+        assert_eq!(of(Some(320 * MIB - 1)), Err(refused));
+        assert_eq!(of(Some(0)).map_err(|refused| refused.remaining), Err(0));
+        let text = refused.to_string();
+        assert!(text.contains("40.0 MiB, more than 1/8 of the 320.0 MiB"), "{text}");
+    }
+
+    #[test]
+    fn images_that_the_runtime_has_too_are_no_history() {
+        let memory = ImageMemory { bytes: 10 * MIB, remaining: Some(0) };
+        assert_eq!(images(3, 0, memory), Ok(3));
+        assert_eq!(images(8, 7, memory), Ok(8));
+    }
+}
