@@ -40,11 +40,29 @@ fn run(cells: &[Cell]) {
         }
     };
     std::thread::scope(|scope| (0..AT_ONCE).for_each(|_| drop(scope.spawn(work))));
-    let mut counts = BTreeMap::new();
-    cells.iter().for_each(|cell| *counts.entry(cell.technique.name).or_insert(0) += 1);
-    println!("{} cells: {counts:?}", cells.len());
+    print!("{}", table(cells));
     let wrong = wrong.into_inner().unwrap();
     assert!(wrong.is_empty(), "{} of {} cells\n{}", wrong.len(), cells.len(), wrong.join("\n"));
+}
+
+/// Numbers of cells by call and technique, in Markdown.
+fn table(cells: &[Cell]) -> String {
+    let names = Technique::ALL.iter().map(|technique| technique.name);
+    let mut rows: BTreeMap<&str, BTreeMap<&str, u32>> = BTreeMap::new();
+    for cell in cells {
+        *rows.entry(cell.call()).or_default().entry(cell.technique.name).or_default() += 1;
+    }
+    let heads: String = names.clone().map(|name| format!(" {name} |")).collect();
+    let mut text =
+        format!("{} cells\n\n| call |{heads}\n|---|{}\n", cells.len(), "---:|".repeat(names.len()));
+    for (call, counts) in rows {
+        let counts: String = names
+            .clone()
+            .map(|name| counts.get(name).map_or_else(|| " - |".to_owned(), |count| format!(" {count} |")))
+            .collect();
+        text += &format!("| {call} |{counts}\n");
+    }
+    text
 }
 
 #[test]

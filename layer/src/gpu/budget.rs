@@ -17,9 +17,8 @@ impl MemoryBudget {
         if record.api_version < vk::API_VERSION_1_1 {
             return None;
         }
-        // SAFETY: the handles are live, as `# Safety` demands; the names are C strings and give the functions' types; the second call has the room that
-        // the first asked for.
-        unsafe {
+        // SAFETY: the instance is live, as `# Safety` demands; the names are C strings and give the functions' types.
+        let (extensions, get) = unsafe {
             let function = |name: &CStr| (record.next_get_instance_proc_addr)(record.instance, name.as_ptr());
             let extensions = transmute::<
                 vk::PFN_vkVoidFunction,
@@ -29,16 +28,19 @@ impl MemoryBudget {
                 vk::PFN_vkVoidFunction,
                 Option<vk::PFN_vkGetPhysicalDeviceMemoryProperties2>,
             >(function(c"vkGetPhysicalDeviceMemoryProperties2"))?;
-            let (device, no_layer) = (record.physical_device, std::ptr::null());
-            let mut count = 0;
-            extensions(device, no_layer, &mut count, std::ptr::null_mut()).result().ok()?;
-            let mut all = vec![vk::ExtensionProperties::default(); count as usize];
-            extensions(device, no_layer, &mut count, all.as_mut_ptr()).result().ok()?;
-            let is_it = |extension: &vk::ExtensionProperties| {
-                extension.extension_name_as_c_str() == Ok(vk::EXT_MEMORY_BUDGET_NAME)
-            };
-            all.iter().any(is_it).then_some(Self(get))
-        }
+            (extensions, get)
+        };
+        let (device, no_layer) = (record.physical_device, std::ptr::null());
+        let mut count = 0;
+        // SAFETY: the physical device is live, as above; without room the count is asked for.
+        unsafe { extensions(device, no_layer, &mut count, std::ptr::null_mut()) }.result().ok()?;
+        let mut all = vec![vk::ExtensionProperties::default(); count as usize];
+        // SAFETY: as above; there is room for as many extensions as the count says.
+        unsafe { extensions(device, no_layer, &mut count, all.as_mut_ptr()) }.result().ok()?;
+        let is_it = |extension: &vk::ExtensionProperties| {
+            extension.extension_name_as_c_str() == Ok(vk::EXT_MEMORY_BUDGET_NAME)
+        };
+        all.iter().any(is_it).then_some(Self(get))
     }
 
     /// Memory of a heap beyond that in use, bytes.

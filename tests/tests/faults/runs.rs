@@ -89,6 +89,15 @@ fn reference(key: String, make: impl FnOnce() -> Seen) -> Arc<Seen> {
 }
 
 impl Cell {
+    /// The call that fails; of several, the first.
+    pub fn call(&self) -> &str {
+        match &self.below {
+            Below::Vulkan(fault) => &fault.call,
+            Below::OpenXr(faults) => faults.first().map_or("none", |fault| &fault.call),
+            Below::ExtensionsOff(_) => "extensions of the runtime",
+        }
+    }
+
     fn scenario(&self) -> Scenario {
         let mut scenario = Technique::scenario();
         match &self.below {

@@ -68,13 +68,16 @@ impl ShaderModules {
     ///
     /// The stage and its chain are valid.
     pub unsafe fn effects(&self, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> Effects {
-        // SAFETY: a valid stage has a name; its chain is valid, as `# Safety` demands.
+        // SAFETY: a valid stage has a name, and constants if the pointer is not null.
+        let (name, constants) = unsafe {
+            (CStr::from_ptr(stage.p_name).to_str(), Specialization::read(stage.p_specialization_info))
+        };
+        let Ok(name) = name else { return Effects::UNKNOWN };
+        if let Some(module) = self.0.get(stage.module) {
+            return module.effects(name, &constants);
+        }
+        // SAFETY: the chain is valid, as `# Safety` demands, and its structures have as many bytes as they say.
         unsafe {
-            let Ok(name) = CStr::from_ptr(stage.p_name).to_str() else { return Effects::UNKNOWN };
-            let constants = Specialization::read(stage.p_specialization_info);
-            if let Some(module) = self.0.get(stage.module) {
-                return module.effects(name, &constants);
-            }
             let code = extension::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next);
             let module = code.and_then(|code| Module::read(&words(code.p_code.cast(), code.code_size)));
             if let Some(module) = module {
