@@ -109,7 +109,8 @@ fn invocations_may_have_what_is_hidden_in_them() {
 /// As the last layer of the chain too: there, the next layer is the loader itself.
 #[test]
 fn each_layer_works_alone() {
-    for layer in TestLayer::ALL {
+    // Planted costs run no command: nothing is drawn.
+    for layer in TestLayer::ALL.into_iter().filter(|layer| *layer != TestLayer::Costs) {
         let ended = Process::new("triangle_with_own_query").layer(layer.name()).run();
         assert_eq!(ended.result, whole_image().to_string(), "{}", layer.name());
     }
