@@ -13,17 +13,20 @@ pub struct Technique {
     pub has_rates: bool,
     /// Whether the application is hello_xr, which has actions; otherwise one that has none.
     pub has_actions: bool,
+    /// Whether the application, if it is not hello_xr, draws on another queue than the session's.
+    pub has_two_queues: bool,
     /// Whether swapchains are virtual, so that errors of theirs come at xrEndFrame, or not at all where a frame can do without.
     pub is_virtual: bool,
     pub config: &'static str,
 }
 
 impl Technique {
-    pub const ALL: [Technique; 6] = [
+    pub const ALL: [Technique; 7] = [
         Technique {
             name: "mask",
             has_rates: false,
             has_actions: false,
+            has_two_queues: false,
             is_virtual: true,
             config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\nbackend = \"mask\"\ngate = \"on\"\n",
         },
@@ -31,6 +34,7 @@ impl Technique {
             name: "attachment",
             has_rates: true,
             has_actions: false,
+            has_two_queues: false,
             is_virtual: false,
             config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n",
         },
@@ -38,6 +42,7 @@ impl Technique {
             name: "re-use",
             has_rates: false,
             has_actions: false,
+            has_two_queues: false,
             is_virtual: true,
             config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nbackend = \"mask\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n",
         },
@@ -45,6 +50,7 @@ impl Technique {
             name: "chroma",
             has_rates: false,
             has_actions: false,
+            has_two_queues: false,
             is_virtual: true,
             config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n",
         },
@@ -52,6 +58,7 @@ impl Technique {
             name: "gaze",
             has_rates: false,
             has_actions: true,
+            has_two_queues: false,
             is_virtual: true,
             config: "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n",
         },
@@ -59,21 +66,31 @@ impl Technique {
             name: "contrast",
             has_rates: true,
             has_actions: false,
+            has_two_queues: false,
             is_virtual: true,
             config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n",
+        },
+        Technique {
+            name: "re-use, two queues",
+            has_rates: false,
+            has_actions: false,
+            has_two_queues: true,
+            is_virtual: true,
+            config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nbackend = \"mask\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n",
         },
     ];
 
     /// Its application with this scenario, without the layer.
     pub fn run(&self, scenario: &Scenario) -> Run {
         let frames = FRAMES.to_string();
-        let zoo = ["--style", "render-pass", "--size", "64", "--frames", &frames];
+        let style = if self.has_two_queues { "second-queue" } else { "render-pass" };
+        let zoo = ["--style", style, "--size", "64", "--frames", &frames];
         let application = if self.has_actions {
             Application::hello_xr("Vulkan2")
         } else {
             Application::ours("parafovea-zoo", &zoo)
         };
-        let run = Run::new(&application.unwrap(), scenario);
+        let run = Run::new(&application.unwrap(), scenario).two_queues(self.has_two_queues);
         if self.has_rates { run.shading_rates(ShadingRateProfile::NvkTuring) } else { run }
     }
 

@@ -15,8 +15,9 @@ const TIMEOUT: i32 = 2;
 /// Submits of the application and of the runtime after which the device is lost: the first of the application in its second frame,
 /// and a later one. In the first frame the order is another with virtual swapchains, whose images the runtime prepares last.
 fn lost_after(technique: &Technique) -> [u64; 2] {
-    // Of each of two swapchains one by the runtime; hello_xr submits once a view, the others once a frame.
-    [if technique.has_actions { 4 } else { 3 }, 12]
+    // Of each of two swapchains one by the runtime; hello_xr submits once a view, applications with two queues once on each, the others once a
+    // frame.
+    [if technique.has_actions || technique.has_two_queues { 4 } else { 3 }, 12]
 }
 
 /// The cells of a technique, from the calls of a run without faults.
