@@ -128,7 +128,7 @@ impl Cell {
     /// Runs it, and returns its violations.
     pub fn check(&self) -> Result<(), String> {
         let technique = self.technique;
-        let key = format!("{} {}", technique.has_actions, technique.has_rates);
+        let key = format!("{} {} {}", technique.has_actions, technique.has_rates, technique.has_two_queues);
         let healthy = reference(key.clone(), || self.see(false, false));
         let shown = reference(technique.name.to_owned(), || self.see(true, false));
         let below = match &self.below {
