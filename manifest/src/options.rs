@@ -52,7 +52,7 @@ choice! {
         Eyes = "eyes",
         /// OSC packets at gaze.osc_listen, as eye trackers send them to VRChat; without any, wide fixed foveation and no chroma attenuation
         Osc = "osc",
-        /// always the centre of the view: fixed foveation, for headsets without an eye tracker
+        /// always the axis of each lens: fixed foveation, for headsets without an eye tracker
         Centre = "centre",
         /// the recording in gaze.file: for tests and demonstrations
         File = "file",

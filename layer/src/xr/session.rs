@@ -215,9 +215,9 @@ fn gaze_of(source: GazeSource, has_tracker: bool) -> &'static str {
     match (source, has_tracker) {
         (GazeSource::Auto | GazeSource::Eyes, true) => "with an eye tracker",
         (GazeSource::Auto, false) => {
-            "without an eye tracker: rates are fixed around the centre of the view until OSC packets arrive"
+            "without an eye tracker: rates are fixed around the axis of each lens until OSC packets arrive"
         }
-        (GazeSource::Eyes, false) => "without an eye tracker: rates are fixed around the centre of the view",
+        (GazeSource::Eyes, false) => "without an eye tracker: rates are fixed around the axis of each lens",
         (GazeSource::Osc, _) => "gaze from OSC packets (gaze.source = \"osc\")",
         (GazeSource::Centre, _) => "gaze fixed at the centre of the view (gaze.source = \"centre\")",
         (GazeSource::File, _) => "gaze from a file (gaze.source = \"file\")",

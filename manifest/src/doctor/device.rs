@@ -187,7 +187,7 @@ fn of_runtime(runtime: &RuntimeAnswer, config: &Config) -> Vec<Finding> {
             Finding::warning(
                 "no-eye-gaze",
                 format!("{} does not offer eye tracking (XR_EXT_eye_gaze_interaction)", runtime.name),
-                "Shading rates are fixed around the centre of the view.",
+                "Shading rates are fixed around the axis of each lens.",
             )
             .advise(without_eyes),
         );
@@ -197,7 +197,7 @@ fn of_runtime(runtime: &RuntimeAnswer, config: &Config) -> Vec<Finding> {
             Finding::warning(
                 "no-eye-tracker",
                 format!("{headset} does not track eyes"),
-                "Shading rates are fixed around the centre of the view.",
+                "Shading rates are fixed around the axis of each lens.",
             )
             .advise(format!(
                 "turn on eye tracking in the headset and its runtime, if available; {without_eyes}"

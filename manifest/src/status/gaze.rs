@@ -12,7 +12,7 @@ impl fmt::Display for Gaze {
         let source = match (self.source.as_str(), self.holder.as_str()) {
             ("centre", _) => return f.write_str("fixed at the centre of the view"),
             ("auto", "centre") => {
-                f.write_str("no eye tracker: fixed around the centre of the view")?;
+                f.write_str("no eye tracker: fixed around the axis of each lens")?;
                 return f.write_str(&self.packets());
             }
             ("eyes", _) | (_, "eyes") => "eye tracker".to_owned(),
@@ -108,7 +108,7 @@ mod tests {
             (gaze("osc", "osc", at("", 0)), "OSC: none; no OSC packets at 127.0.0.1:9020"),
             (
                 gaze("auto", "centre", at("address in use", 0)),
-                "no eye tracker: fixed around the centre of the view; no OSC packets: 127.0.0.1:9020: address in use",
+                "no eye tracker: fixed around the axis of each lens; no OSC packets: 127.0.0.1:9020: address in use",
             ),
         ] {
             assert_eq!(gaze.to_string(), line);
