@@ -195,7 +195,7 @@ impl Gate {
     }
 
     /// Time from `now` within which no trial can begin, nanoseconds; 0 while one is running or due. The phase of the gaze is not needed before:
-    /// a trial that waits for a saccade or blink looks at those of ten seconds.
+    /// a hidden trial depends on the saccades and blinks of its last ten seconds.
     pub fn rests_ns(&self, now: i64) -> i64 {
         if self.mode != GateMode::Auto {
             return i64::MAX;

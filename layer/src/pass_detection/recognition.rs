@@ -120,7 +120,7 @@ impl Recognition {
         self.pass_history.scene_with_depth(depth)
     }
 
-    /// Whether the picture of an eye is made of those of earlier frames, as far as the last frames tell.
+    /// Use of earlier frames' images in an eye's image, by the evidence of the last frames.
     pub fn feedback(&self) -> Feedback {
         self.feedback.newest(self.frame)
     }

@@ -39,7 +39,7 @@ pub struct AppImages {
 pub struct ImageMemory {
     /// Its size, bytes.
     pub bytes: u64,
-    /// What the system still has for this process in that heap, bytes; nothing where the device does not say.
+    /// Remaining memory of that heap for this process, bytes; `None` if the device does not report it.
     pub remaining: Option<u64>,
 }
 

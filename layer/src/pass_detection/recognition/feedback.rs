@@ -1,7 +1,7 @@
-//! Temporal feedback: pictures of eyes that a later frame reads on its way to the picture, as temporal filters read their history.
+//! Temporal feedback: images of eyes that passes of a later frame read, as temporal filters read their history.
 //!
-//! Re-use completes the picture that is shown, and never the images before it: what a pass leaves out, or shades as coarsely as can be
-//! because its turn has not come, stays so in a history, and returns from there in every later frame.
+//! Re-use completes the displayed image, and never the images before it: a stale tile, left out or at the coarsest rate, stays so in a history, and
+//! returns from there in every later frame.
 
 use super::HOLD;
 use super::memory::Memory;
@@ -9,7 +9,7 @@ use super::provenance::{Findings, Provenance, Role};
 use crate::pass_detection::{Event, ImageKey, Pass};
 use std::fmt;
 
-/// Whether a picture is made of those of earlier frames.
+/// Use of earlier frames' images in the displayed image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feedback {
     /// It is made of this frame's passes.

@@ -115,7 +115,7 @@ impl Swapchains {
         })
     }
 
-    /// The size of the smallest picture of an eye, pixels; 0 where there is none.
+    /// Size of an eye's smallest image, pixels; 0 without any.
     pub(super) fn least_picture(&self) -> [f32; 2] {
         let sizes = self.pictures().map(|(picture, _)| [picture.rect[2], picture.rect[3]]);
         sizes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]).unwrap_or_default()

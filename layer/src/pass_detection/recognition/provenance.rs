@@ -56,7 +56,7 @@ pub(super) struct Provenance {
     nodes: Vec<Node>,
     groups: Groups,
     steps: usize,
-    /// Reads on the way to what is followed now that find an image of later in the frame though an earlier event writes to it, too.
+    /// Doubtful reads on the followed path: the image has a writer later in the frame and one before the read.
     doubts: u32,
     remembered: Remembered,
 }
@@ -69,7 +69,7 @@ struct Node {
     group: usize,
     writes_picture: bool,
     origins: Origins,
-    /// Whether it is as large as a picture, and reads what it made itself, a frame ago.
+    /// Whether it is as large as an eye's image, and reads its own output of the last frame.
     reads_itself: bool,
     role: Role,
 }
@@ -106,8 +106,7 @@ pub(super) struct Findings {
     pub(super) is_found: bool,
     /// Whether cameras draw it, and nothing else does.
     pub(super) is_direct: bool,
-    /// Whether a pass that makes it reads what itself made a frame ago; or, of a picture that goes straight into a swapchain, what is there
-    /// so far.
+    /// Whether a pass on the way to it reads its own output of the last frame; or, with a swapchain as its direct target, the image so far.
     pub(super) has_feedback: bool,
 }
 

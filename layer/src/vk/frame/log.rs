@@ -99,7 +99,7 @@ impl Log {
         self.last_eye_passes
     }
 
-    /// Whether the picture of an eye is made of those of earlier frames, as far as the last frames tell.
+    /// Use of earlier frames' images in an eye's image, by the evidence of the last frames.
     pub fn feedback(&self) -> Feedback {
         self.recognition.feedback()
     }

@@ -1,6 +1,7 @@
 //! Frames that go by unnoticed: the gates keep every technique off, no trial is near, and the Vulkan half follows no passes.
 //!
-//! Such a frame makes no plan, asks no eye tracker and has no crossing. It ends early for an edit of the configuration, and for the status.
+//! Such a frame makes no plan, asks no eye tracker and has no crossing. An edit of the configuration ends the sleep early, and so does the
+//! status, once a second.
 
 use super::SessionPlan;
 use crate::config::ConfigSnapshot;
@@ -9,7 +10,7 @@ use crate::xr::swapchain;
 use openxr_sys as xr;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Fewest frames that are worth it.
+/// Least length of a sleep, frames.
 const LEAST_FRAMES: u32 = 8;
 
 /// No trial begins within this time, nanoseconds: longer than a sleep at 30 Hz.

@@ -23,7 +23,7 @@ impl Provenance {
         let mut is_written = false;
         let order = (0..reader).rev().chain((reader + 1..events.len()).rev());
         for index in order {
-            // Of what is written earlier, too, nobody knows whether all of it is.
+            // An earlier write may cover the image in part only.
             let is_doubtful = u32::from(is_written && index > reader);
             self.steps += 1;
             if self.steps > MOST_STEPS {

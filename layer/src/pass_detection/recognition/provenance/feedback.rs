@@ -1,4 +1,4 @@
-//! Temporal feedback within a frame's events, whose later events are taken to be those of the frame before.
+//! Temporal feedback within a frame's events; its later events stand for the same events of the last frame.
 
 use super::{Kind, Known, Node, Provenance, Role, Sources, writes};
 use crate::pass_detection::recognition::candidate;
@@ -6,8 +6,8 @@ use crate::pass_detection::recognition::feedback::{images_read, is_picture};
 use crate::pass_detection::{Event, ImageKey};
 
 impl Provenance {
-    /// Whether a pass that makes the picture reads what itself made a frame ago; or, of a picture that goes straight into a swapchain, what is
-    /// there so far.
+    /// Whether a pass on the way to the displayed image reads its own output of the last frame; or, with a swapchain as its direct target, the image
+    /// so far.
     pub(super) fn has_feedback(&mut self, events: &[Event], known: &Known<'_>) -> bool {
         let is_on_the_way = |node: &Node| matches!(node.role, Role::Eye | Role::FullScreen);
         if self.nodes.iter().any(|node| is_on_the_way(node) && node.reads_itself) {
