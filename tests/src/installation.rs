@@ -92,6 +92,8 @@ impl Installation {
             let is_above = matches!(layer, TestLayer::Above | TestLayer::Count | TestLayer::Calls);
             let (kind, manifest) = if is_above {
                 ("config/vulkan/implicit_layer.d", layer.implicit_manifest(&test_layers))
+            } else if layer == TestLayer::TwoQueues {
+                ("lowest/vulkan/explicit_layer.d", layer.manifest(&test_layers))
             } else {
                 ("data/vulkan/explicit_layer.d", layer.manifest(&test_layers))
             };
@@ -147,6 +149,13 @@ impl Installation {
         );
         // Later entries replace earlier ones of the same name.
         variables.extend(self.mock_environment(driver)?);
+        // Vulkan loaders up to 1.3.239 at least order explicit layers by their folders: validation is above the layers of the last one.
+        let is_folders = |(name, _): &&(&str, OsString)| *name == "XDG_DATA_DIRS";
+        let folders = variables.iter().rev().find(is_folders).map(|(_, folders)| folders.clone());
+        let mut folders = folders.unwrap_or_else(|| "/usr/local/share:/usr/share".into());
+        folders.push(":");
+        folders.push(folder("lowest"));
+        variables.push(("XDG_DATA_DIRS", folders));
         Ok(variables)
     }
 

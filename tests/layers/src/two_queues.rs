@@ -1,5 +1,6 @@
 //! A layer that gives a device with one queue in a family a second one, which is the same queue under another handle: for
-//! applications that need two, on lavapipe.
+//! applications that need two, on lavapipe. A device with one family has another one with the same properties, whose only queue is that
+//! queue again.
 //!
 //! It is the lowest, below validation, which thus sees two queues. What is submitted to both runs in the order of the submits: more order
 //! than an application may rely on, so that a semaphore that is missing between queues shows in validation alone.
@@ -25,7 +26,7 @@ functions! {
 pub(crate) struct TwoQueues {
     next: NextDevice,
     functions: Functions,
-    /// How many each family has.
+    /// Queues of each family of the device.
     counts: Vec<u32>,
     /// The other handles of queues. Submits are made under its lock: two threads may use both of a pair.
     seconds: Mutex<Seconds>,
@@ -74,12 +75,21 @@ impl Layer for TwoQueues {
                 0 => &[][..],
                 asked => std::slice::from_raw_parts(info.p_queue_create_infos, asked as usize),
             };
-            let mut fewer = asked.to_vec();
-            for queues in &mut fewer {
-                let there = counts.get(queues.queue_family_index as usize).copied().unwrap_or(0);
-                queues.queue_count = queues.queue_count.min(there);
+            let mut fewer = Vec::new();
+            for &queues in asked {
+                let queue_family_index = own_family(&counts, queues.queue_family_index);
+                let is_same = |known: &vk::DeviceQueueCreateInfo<'_>| {
+                    known.queue_family_index == queue_family_index && known.flags == queues.flags
+                };
+                if fewer.iter().any(is_same) {
+                    continue;
+                }
+                let there = counts.get(queue_family_index as usize).copied().unwrap_or(0);
+                let queue_count = queues.queue_count.min(there);
+                fewer.push(vk::DeviceQueueCreateInfo { queue_family_index, queue_count, ..queues });
             }
             info.p_queue_create_infos = fewer.as_ptr();
+            info.queue_create_info_count = fewer.len() as u32;
             let next = create(&info)?;
             let functions = Functions::load(|name| next.function(name));
             Ok(Self { next, functions, counts, seconds: Mutex::default() })
@@ -93,6 +103,7 @@ impl Layer for TwoQueues {
                 PFN_vkGetPhysicalDeviceQueueFamilyProperties2 = families2;
             c"vkGetPhysicalDeviceQueueFamilyProperties2KHR":
                 PFN_vkGetPhysicalDeviceQueueFamilyProperties2 = families2;
+            c"vkCreateCommandPool": PFN_vkCreateCommandPool = create_pool;
             c"vkGetDeviceQueue": PFN_vkGetDeviceQueue = get_queue;
             c"vkGetDeviceQueue2": PFN_vkGetDeviceQueue2 = get_queue2;
             c"vkQueueSubmit": PFN_vkQueueSubmit = submit;
@@ -115,10 +126,10 @@ impl TwoQueues {
 
     /// Whether a queue is one that the device does not have.
     fn is_second(&self, family: u32, index: u32) -> bool {
-        self.counts.get(family as usize).is_some_and(|&count| index >= count)
+        self.counts.get(family as usize).is_none_or(|&count| index >= count)
     }
 
-    /// The other handle of a family's last queue, which `get` gives.
+    /// The other handle of a family's first queue, which `get` gives.
     fn second(&self, family: u32, get: impl FnOnce() -> vk::Queue) -> vk::Queue {
         let mut seconds = self.seconds();
         if let Some(known) = seconds.iter().find(|known| known.family == family) {
@@ -162,12 +173,10 @@ unsafe extern "system" fn families(
     // SAFETY: the application's valid arguments.
     unsafe {
         let Some(instance) = instance_of::<TwoQueues>(physical_device) else { return };
-        (instance.queue_families)(physical_device, count, properties);
-        if !properties.is_null() {
-            for family in std::slice::from_raw_parts_mut(properties, *count as usize) {
-                family.queue_count = family.queue_count.max(QUEUES);
-            }
-        }
+        let next = |count: &mut u32, all| (instance.queue_families)(physical_device, count, all);
+        let amend =
+            |family: &mut vk::QueueFamilyProperties| family.queue_count = family.queue_count.max(QUEUES);
+        list(count, properties, next, amend);
     }
 }
 
@@ -183,13 +192,90 @@ unsafe extern "system" fn families2(
         let next = instance_of::<TwoQueues>(physical_device)
             .and_then(|instance| instance.physical_device.queue_families2);
         let Some(next) = next else { return };
-        next(physical_device, count, properties);
-        if !properties.is_null() {
-            for family in std::slice::from_raw_parts_mut(properties, *count as usize) {
-                let own = &mut family.queue_family_properties;
-                own.queue_count = own.queue_count.max(QUEUES);
-            }
+        let next = |count: &mut u32, all| next(physical_device, count, all);
+        let amend = |family: &mut vk::QueueFamilyProperties2<'_>| {
+            let own = &mut family.queue_family_properties;
+            own.queue_count = own.queue_count.max(QUEUES);
+        };
+        list(count, properties, next, amend);
+    }
+}
+
+/// Writes the device's families as `next` gives them and `amend` changes them, and another one like the first where there is one only, as
+/// both functions do: the count alone where `properties` is null.
+///
+/// # Safety
+/// `count` is valid, and `properties` null or with room for as many structures.
+unsafe fn list<T>(
+    count: *mut u32,
+    properties: *mut T,
+    next: impl Fn(&mut u32, *mut T),
+    amend: impl Fn(&mut T),
+) where
+    T: Families,
+{
+    // SAFETY: as the caller says.
+    unsafe {
+        let room = *count;
+        next(&mut *count, properties);
+        let mut own = 0;
+        next(&mut own, std::ptr::null_mut());
+        if properties.is_null() {
+            *count = families_of(own);
+            return;
         }
+        let listed = std::slice::from_raw_parts_mut(properties, room as usize);
+        listed.iter_mut().take(*count as usize).for_each(amend);
+        if own == 1 && room > 1 {
+            let (first, others) = listed.split_at_mut(1);
+            others[0].take_properties(&first[0]);
+            *count = 2;
+        }
+    }
+}
+
+/// A structure with the properties of a family.
+trait Families {
+    /// Takes those of another one, but for a second queue.
+    fn take_properties(&mut self, other: &Self);
+}
+
+impl Families for vk::QueueFamilyProperties {
+    fn take_properties(&mut self, other: &Self) {
+        *self = Self { queue_count: 1, ..*other };
+    }
+}
+
+impl Families for vk::QueueFamilyProperties2<'_> {
+    fn take_properties(&mut self, other: &Self) {
+        self.queue_family_properties.take_properties(&other.queue_family_properties);
+    }
+}
+
+/// The number of families that are shown of a device with so many.
+fn families_of(own: u32) -> u32 {
+    if own == 1 { 2 } else { own }
+}
+
+/// The device's own family for one that is shown.
+fn own_family(counts: &[u32], family: u32) -> u32 {
+    if (family as usize) < counts.len() { family } else { 0 }
+}
+
+/// # Safety
+/// As `vkCreateCommandPool`.
+unsafe extern "system" fn create_pool(
+    device: vk::Device,
+    info: *const vk::CommandPoolCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    pool: *mut vk::CommandPool,
+) -> vk::Result {
+    // SAFETY: the application's valid arguments.
+    unsafe {
+        let layer = layer(device);
+        let queue_family_index = own_family(&layer.counts, (*info).queue_family_index);
+        let info = vk::CommandPoolCreateInfo { queue_family_index, ..*info };
+        (layer.next.functions.fp_v1_0().create_command_pool)(device, &info, allocator, pool)
     }
 }
 
@@ -205,7 +291,7 @@ unsafe extern "system" fn get_queue(device: vk::Device, family: u32, index: u32,
         }
         *queue = layer.second(family, || {
             let mut first = vk::Queue::null();
-            next(device, family, 0, &mut first);
+            next(device, own_family(&layer.counts, family), 0, &mut first);
             first
         });
     }
@@ -228,7 +314,8 @@ unsafe extern "system" fn get_queue2(
         }
         *queue = layer.second(family, || {
             let mut first = vk::Queue::null();
-            next(device, &vk::DeviceQueueInfo2 { queue_index: 0, ..*info }, &mut first);
+            let queue_family_index = own_family(&layer.counts, family);
+            next(device, &vk::DeviceQueueInfo2 { queue_family_index, queue_index: 0, ..*info }, &mut first);
             first
         });
     }

@@ -3,7 +3,7 @@
 use crate::HarnessError;
 use crate::run::{Application, Run};
 use crate::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Queues, STYLES, Style};
+use parafovea_zoo::{STYLES, Style};
 use std::time::Duration;
 
 /// A program on a driver.
@@ -86,7 +86,7 @@ impl Program {
             Self::VulkanInfo => Application::of_system("vulkaninfo", &[])?,
             Self::Doctor => Application::ours("parafovea", &["doctor"])?,
         };
-        let has_two = matches!(self, Self::Style(style) if style.needs.queues == Queues::Two);
+        let has_two = matches!(self, Self::Style(style) if style.needs.queues.are_two());
         let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
         let run = Run::new(&application, &scenario).two_queues(has_two).timeout(LIMIT);
         Ok(if matches!(self, Self::HelloXr(_)) { run.closing_input() } else { run })

@@ -43,7 +43,8 @@ pub struct Gpu {
     pub instance: ash::Instance,
     pub physical: vk::PhysicalDevice,
     pub device: ash::Device,
-    pub family: u32,
+    /// Families of the session's queue and of the second one.
+    pub families: [u32; 2],
     /// Of the session.
     pub queue: vk::Queue,
     /// Another, or the same where there is one only.
@@ -134,7 +135,7 @@ impl Gpu {
             unsafe { instance.destroy_instance(None) };
             return Ok(Opened::Lacking(lacking));
         }
-        let (family, queues) = graphics_family(&instance, physical, demands)?;
+        let (families, queues) = graphics_families(&instance, physical, demands)?;
         let priorities = vec![1.0; queues as usize];
         let create = |info: &vk::DeviceCreateInfo| {
             // SAFETY: the physical device is the runtime's choice; the create info outlives the call.
@@ -148,13 +149,15 @@ impl Gpu {
             };
             device.context("xrCreateVulkanDeviceKHR")
         };
-        let queue_info =
-            [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
+        let queue_info = families.map(|family| {
+            vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)
+        });
+        let queue_info = if families[0] == families[1] { &queue_info[..1] } else { &queue_info };
         let names = demands.extension_names();
         let names: Vec<_> = names.iter().map(|name| name.as_ptr()).collect();
         let device = Features::of(&demands.features).chained(&demands.features, |features| {
             let info = vk::DeviceCreateInfo::default()
-                .queue_create_infos(&queue_info)
+                .queue_create_infos(queue_info)
                 .enabled_extension_names(&names)
                 .push_next(features);
             create(&info)
@@ -162,16 +165,17 @@ impl Gpu {
         let device = device.map_err(vk::Result::from_raw)?;
         // SAFETY: the handle was just created from this instance.
         let device = unsafe { ash::Device::load(instance.fp_v1_0(), vk::Device::from_raw(device as u64)) };
-        // SAFETY: the device has so many queues of this family.
-        let (queue, second_queue) =
-            unsafe { (device.get_device_queue(family, 0), device.get_device_queue(family, queues - 1)) };
+        // SAFETY: the device has so many queues of these families.
+        let (queue, second_queue) = unsafe {
+            (device.get_device_queue(families[0], 0), device.get_device_queue(families[1], queues - 1))
+        };
         // SAFETY: the physical device is of this instance.
         let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
         let mut gpu = Self {
             instance,
             physical,
             device,
-            family,
+            families,
             queue,
             second_queue,
             memory,
@@ -192,13 +196,14 @@ impl Gpu {
     /// # Errors
     /// Those of vkCreateDevice.
     pub fn another(&self) -> Result<Self> {
-        let queue_info =
-            [vk::DeviceQueueCreateInfo::default().queue_family_index(self.family).queue_priorities(&[1.0])];
+        let queue_info = [vk::DeviceQueueCreateInfo::default()
+            .queue_family_index(self.families[0])
+            .queue_priorities(&[1.0])];
         let info = vk::DeviceCreateInfo::default().queue_create_infos(&queue_info);
         // SAFETY: the physical device is of this instance; the structure outlives the call.
         let device = unsafe { self.instance.create_device(self.physical, &info, None) }?;
         // SAFETY: the device has one queue of this family.
-        let queue = unsafe { device.get_device_queue(self.family, 0) };
+        let queue = unsafe { device.get_device_queue(self.families[0], 0) };
         Ok(Self {
             instance: self.instance.clone(),
             device,
@@ -212,9 +217,17 @@ impl Gpu {
             owns_instance: false,
             entry: self.entry.clone(),
             physical: self.physical,
-            family: self.family,
+            families: [self.families[0]; 2],
             memory: self.memory,
         })
+    }
+
+    /// Sharing mode of buffers and images, and the families that share them.
+    fn sharing(&self) -> (vk::SharingMode, &[u32]) {
+        match self.families[0] == self.families[1] {
+            true => (vk::SharingMode::EXCLUSIVE, &[]),
+            false => (vk::SharingMode::CONCURRENT, &self.families),
+        }
     }
 
     /// The graphics binding of an XrSession.
@@ -223,7 +236,7 @@ impl Gpu {
             instance: self.instance.handle().as_raw() as *const c_void,
             physical_device: self.physical.as_raw() as *const c_void,
             device: self.device.handle().as_raw() as *const c_void,
-            queue_family_index: self.family,
+            queue_family_index: self.families[0],
             queue_index: 0,
         }
     }
@@ -301,20 +314,22 @@ impl Drop for Gpu {
     }
 }
 
-/// The family of the queues, and how many of them.
-fn graphics_family(
+/// Families of the session's queue and of the second one, and the number of queues of each family.
+fn graphics_families(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     demands: &Demands,
-) -> Result<(u32, u32)> {
+) -> Result<([u32; 2], u32)> {
     // SAFETY: the physical device is of this instance.
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
-    let (index, family) = (0..)
-        .zip(&families)
-        .find(|(_, family)| family.queue_flags.contains(vk::QueueFlags::GRAPHICS))
-        .context("the headset's GPU has no graphics queue")?;
-    let wanted = if demands.queues == Queues::One { 1 } else { 2 };
-    Ok((index, family.queue_count.min(wanted)))
+    let mut drawing =
+        (0..).zip(&families).filter(|(_, family)| family.queue_flags.contains(vk::QueueFlags::GRAPHICS));
+    let (first, family) = drawing.next().context("the headset's GPU has no graphics queue")?;
+    Ok(match demands.queues {
+        Queues::One => ([first; 2], 1),
+        Queues::SecondIfThere | Queues::Two => ([first; 2], family.queue_count.min(2)),
+        Queues::TwoFamilies => ([first, drawing.next().map_or(first, |(second, _)| second)], 1),
+    })
 }
 
 /// The Vulkan loader's entry point in the type that the OpenXR crate wants.

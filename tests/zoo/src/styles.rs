@@ -33,6 +33,7 @@ mod quad_ui;
 mod render_pass;
 mod render_thread;
 mod reversed_z;
+mod second_family;
 mod second_queue;
 pub mod secondaries;
 mod shader_objects;
@@ -80,6 +81,7 @@ pub const STYLES: &[&Style] = &[
     &shader_objects::STYLE,
     &secondaries::STYLE,
     &second_queue::STYLE,
+    &second_family::STYLE,
     &async_compute::STYLE,
     &two_devices::STYLE,
     &prerecorded::STYLE,

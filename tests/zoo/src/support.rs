@@ -47,8 +47,17 @@ pub enum Queues {
     One,
     /// A second one where there is one.
     SecondIfThere,
-    /// Two.
+    /// Two of a family.
     Two,
+    /// Two of different families, which both draw.
+    TwoFamilies,
+}
+
+impl Queues {
+    /// Whether a device with one queue lacks them.
+    pub fn are_two(self) -> bool {
+        matches!(self, Self::Two | Self::TwoFamilies)
+    }
 }
 
 /// A style's requests to OpenXR beyond colour for each eye.
@@ -141,6 +150,10 @@ impl Demands {
         let graphics = families.iter().find(|family| family.queue_flags.contains(vk::QueueFlags::GRAPHICS));
         if self.queues == Queues::Two && graphics.is_none_or(|family| family.queue_count < 2) {
             return Ok(Some("a second graphics queue".to_owned()));
+        }
+        let drawing = families.iter().filter(|family| family.queue_flags.contains(vk::QueueFlags::GRAPHICS));
+        if self.queues == Queues::TwoFamilies && drawing.count() < 2 {
+            return Ok(Some("a second family of graphics queues".to_owned()));
         }
         let mut features = Features::default();
         // SAFETY: as above; the chain holds structures of extensions that the device has.

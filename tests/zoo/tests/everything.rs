@@ -13,7 +13,7 @@ use libtest_mimic::{Arguments, Failed};
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
 use parafovea_tests::run::{Application, Message, Run};
 use parafovea_tests::scenario::ScenarioExt;
-use parafovea_zoo::{Queues, STYLES, Style};
+use parafovea_zoo::{STYLES, Style};
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
@@ -24,12 +24,13 @@ const SHARE: Effort = Effort { frames: 54, size: 96 };
 const REST_S: f64 = 0.5;
 
 /// Styles of every test: those that differ most in the order of the layer's work among theirs.
-const FEW: [&str; 7] = [
+const FEW: [&str; 8] = [
     "subpasses",
     "multiview",
     "imageless",
     "taa-exposure",
     "second-queue",
+    "second-family",
     "render-thread",
     "dynamic-resolution",
 ];
@@ -68,7 +69,7 @@ fn check(style: &Style, device: Device) -> Result<(), Failed> {
         Application::ours("parafovea-zoo", &["--style", style.name, "--size", &size, "--frames", &frames])?;
     let last = effort.frames - 1;
     let plain = Run::new(&application, &effort.scenario_of_moving_head().saving(&[last]))
-        .two_queues(style.needs.queues == Queues::Two);
+        .two_queues(style.needs.queues.are_two());
     let plain = match device {
         Some(profile) => plain.shading_rates(profile),
         None => plain,

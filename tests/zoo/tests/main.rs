@@ -11,7 +11,7 @@ use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{PassSeen, Queues, STYLES, Style};
+use parafovea_zoo::{PassSeen, STYLES, Style};
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use trial::{skip_unless_run, trial};
@@ -67,7 +67,7 @@ fn run(style: &Style) -> (Outcome, bool) {
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE).saving(&SAVED);
     let run = Run::new(&application, &scenario)
         .validated_from(style.headers)
-        .two_queues(style.needs.queues == Queues::Two);
+        .two_queues(style.needs.queues.are_two());
     // The one extension that there is a stand-in for.
     let run = if style.needs.extensions.contains(&c"VK_KHR_fragment_shading_rate") {
         run.shading_rates(ShadingRateProfile::NvkTuring)

@@ -34,7 +34,7 @@ use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Queues, Style};
+use parafovea_zoo::Style;
 use std::path::Path;
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
@@ -79,7 +79,7 @@ fn run(
     let application = Application::ours("parafovea-zoo", &arguments)?;
     let run = Run::new(&application, &scenario)
         .validated_from(style.headers)
-        .two_queues(style.needs.queues == Queues::Two)
+        .two_queues(style.needs.queues.are_two())
         .layer(layer);
     let run = match passes {
         Some(file) => run.env("PARAFOVEA_PASSES_FILE", file),

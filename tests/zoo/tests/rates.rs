@@ -18,7 +18,7 @@ use parafovea_test_layers::{
 };
 use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Eyes, PassTruth, Queues, STYLES, Style};
+use parafovea_zoo::{Eyes, PassTruth, STYLES, Style};
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
@@ -99,7 +99,7 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
     let is_left_out = seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse);
     assert!(is_left_out || style.keeps_history, "nothing was left out\n{}", on.log);
     assert_eq!(on.log.contains(FEEDBACK_LINE), style.keeps_history, "{}", on.log);
-    let has_two = style.needs.queues == Queues::Two;
+    let has_two = style.needs.queues.are_two();
     let off = Run::new(&application(style, effort)?, &scenario).two_queues(has_two).finish()?;
     let off = off.expect_frames(effort.frames)?;
     for eye in 0..2 {
@@ -203,7 +203,7 @@ fn run(
 ) -> Result<Outcome, Failed> {
     let run = Run::new(&application(style, effort)?, &scenario)
         .validated_from(style.headers)
-        .two_queues(style.needs.queues == Queues::Two)
+        .two_queues(style.needs.queues.are_two())
         .shading_rates(profile);
     Ok(run.on(config).finish()?)
 }

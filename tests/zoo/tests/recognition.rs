@@ -15,7 +15,7 @@ use effort::Effort;
 use libtest_mimic::{Arguments, Failed};
 use noted::Noted;
 use parafovea_tests::run::{Application, Run};
-use parafovea_zoo::{Eyes, PassTruth, Queues, STYLES, Style};
+use parafovea_zoo::{Eyes, PassTruth, STYLES, Style};
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
@@ -40,7 +40,7 @@ fn check(style: &Style) -> Result<(), Failed> {
     let scenario = effort.scenario();
     let outcome = Run::new(&application, &scenario)
         .validated_from(style.headers)
-        .two_queues(style.needs.queues == Queues::Two)
+        .two_queues(style.needs.queues.are_two())
         .on("")
         .env("PARAFOVEA_PASSES_FILE", &file)
         .finish()?;

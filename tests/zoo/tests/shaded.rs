@@ -20,7 +20,7 @@ use parafovea_tests::record::median;
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_trial::{Lack, skip};
-use parafovea_zoo::{Queues, Style};
+use parafovea_zoo::Style;
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
@@ -73,7 +73,7 @@ fn check(style: &Style, said: &str) -> Result<(), Failed> {
         let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
         let application = Application::ours("parafovea-zoo", &arguments)?;
         let run = Run::new(&application, &Scenario::new(FRAMES).sized(SIZE, SIZE))
-            .two_queues(style.needs.queues == Queues::Two)
+            .two_queues(style.needs.queues.are_two())
             .layer(layer)
             .counted();
         Ok(run.finish()?)

@@ -47,6 +47,9 @@ impl AppImages {
     /// Creates `count` images, with the application's usage and ours; for views of other formats if it asked for that,
     /// as an imageless framebuffer names flags and formats of the images. Submits nothing: a swapchain is created where the queue is the application's alone.
     ///
+    /// One queue family at a time owns them, as it owns the runtime's images: an application that renders on a queue of another family than
+    /// the session's gives them back before it releases them (XR_KHR_vulkan_enable2, "Swapchain Image State").
+    ///
     /// # Errors
     /// [`GpuError::Unsupported`] when the device has no such images; a failed call.
     pub fn new(gpu: &Arc<Gpu>, shape: &SwapchainShape, count: u32) -> Result<Self, GpuError> {

@@ -44,7 +44,11 @@ impl Gpu {
         } else {
             vk::BufferUsageFlags::empty()
         };
-        let info = vk::BufferCreateInfo::default().size(size as u64).usage(usage | address);
+        let info = vk::BufferCreateInfo::default()
+            .size(size as u64)
+            .usage(usage | address)
+            .sharing_mode(self.sharing().0)
+            .queue_family_indices(self.sharing().1);
         // SAFETY: the structure outlives the call.
         let handle = unsafe { self.device.create_buffer(&info, None) }?;
         self.keep(Made::Buffer(handle));

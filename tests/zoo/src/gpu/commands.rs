@@ -16,8 +16,21 @@ impl Gpu {
         count: u32,
         level: vk::CommandBufferLevel,
     ) -> Result<Vec<vk::CommandBuffer>> {
+        self.command_buffers_of(self.families[0], count, level)
+    }
+
+    /// The same, for queues of that family.
+    ///
+    /// # Errors
+    /// Those of the calls.
+    pub fn command_buffers_of(
+        &self,
+        family: u32,
+        count: u32,
+        level: vk::CommandBufferLevel,
+    ) -> Result<Vec<vk::CommandBuffer>> {
         let info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(self.family)
+            .queue_family_index(family)
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: the structure outlives the call.
         let pool = unsafe { self.device.create_command_pool(&info, None) }?;
@@ -90,6 +103,21 @@ impl Gpu {
             .new_layout(to)
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+            .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE);
+        self.barrier(commands, &[], &[barrier]);
+    }
+
+    /// Gives a colour target, whose layout stays, from the second queue's family to that of the session: recorded for the second queue
+    /// after all uses there, and for the session's before all uses there.
+    pub fn give_back(&self, commands: vk::CommandBuffer, image: &Image) {
+        let barrier = vk::ImageMemoryBarrier::default()
+            .image(image.handle)
+            .subresource_range(image.range())
+            .old_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            .new_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            .src_queue_family_index(self.families[1])
+            .dst_queue_family_index(self.families[0])
             .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
             .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE);
         self.barrier(commands, &[], &[barrier]);

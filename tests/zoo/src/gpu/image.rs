@@ -114,7 +114,9 @@ impl Gpu {
             .mip_levels(spec.levels)
             .array_layers(spec.layers)
             .samples(vk::SampleCountFlags::from_raw(spec.samples))
-            .usage(spec.usage);
+            .usage(spec.usage)
+            .sharing_mode(self.sharing().0)
+            .queue_family_indices(self.sharing().1);
         // SAFETY: the structure outlives the call.
         let handle = unsafe { self.device.create_image(&info, None) }?;
         self.keep(Made::Image(handle));
