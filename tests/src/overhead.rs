@@ -67,7 +67,7 @@ impl Effort {
     /// For figures.
     pub const FULL: Self = Self { turns: 15, frames: 200, rounds: 10 };
     /// For figures of planning.
-    pub const PLANNING: Self = Self { turns: 3, frames: 600, rounds: 1 };
+    pub const PLANNING: Self = Self { turns: 9, frames: 200, rounds: 1 };
     /// To see that it works.
     pub const LEAST: Self = Self { turns: 1, frames: 20, rounds: 1 };
 }

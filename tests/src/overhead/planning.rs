@@ -56,7 +56,8 @@ pub struct Added {
     pub case: &'static str,
     /// `added_cpu_per_frame`.
     pub metric: &'static str,
-    /// Median over all frames of all turns, milliseconds.
+    /// Median over all turns of the difference between the medians of a turn's frames, milliseconds: processes differ by more than frames of
+    /// one process, in the places of their memory and on their cores.
     pub value: f64,
     /// `ms`.
     pub unit: &'static str,
@@ -95,16 +96,18 @@ pub fn planning(
     let mut off = Vec::new();
     let mut on = vec![Vec::new(); cases.len()];
     for _ in 0..effort.turns {
-        off.extend(times(prepare(Run::new(&application, &scenario)), frames, false)?);
+        off.push(times(prepare(Run::new(&application, &scenario)), frames, false)?);
         for ((case, config, _), on) in cases.iter().zip(&mut on) {
             let run = prepare(Run::new(&application, &scenario));
-            on.extend(times(run.on(&format!("{config}{gaze}")), frames, *case != INERT)?);
+            on.push(times(run.on(&format!("{config}{gaze}")), frames, *case != INERT)?);
         }
     }
-    let baseline = median(off.clone()).unwrap_or(f64::NAN);
-    let worst_without = percentile_99(off);
-    let added = |((case, _, budget), times): ((&'static str, &str, Option<f64>), Vec<f64>)| {
-        let value = median(times.clone()).unwrap_or(f64::NAN) - baseline;
+    let median = |times: &[f64]| median(times.to_vec()).unwrap_or(f64::NAN);
+    let baseline = median(&off.concat());
+    let worst_without = percentile_99(off.concat());
+    let added = |(case, budget): (&'static str, Option<f64>), on: &[Vec<f64>]| {
+        let by_turn: Vec<f64> = on.iter().zip(&off).map(|(on, off)| median(on) - median(off)).collect();
+        let value = median(&by_turn);
         Added {
             bench: "overhead",
             app: device.to_owned(),
@@ -112,13 +115,13 @@ pub fn planning(
             metric: "added_cpu_per_frame",
             value,
             unit: "ms",
-            p99: percentile_99(times) - worst_without,
+            p99: percentile_99(on.concat()) - worst_without,
             baseline,
             ratio: (baseline + value) / baseline,
             budget,
         }
     };
-    Ok(cases.into_iter().zip(on).map(added).collect())
+    Ok(cases.iter().zip(&on).map(|((case, _, budget), on)| added((*case, *budget), on)).collect())
 }
 
 /// Times of frames after the run-up; an error where the layer is not active and `is_active` wants it to be.
