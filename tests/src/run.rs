@@ -1,15 +1,18 @@
 //! One application, run once.
 
+mod application;
 mod child;
 mod outcome;
+mod running;
 mod validation;
 
+pub use application::Application;
 pub use outcome::Outcome;
+pub use running::Running;
 pub use validation::Message;
 
-use crate::artifacts::{Library, program, system_program};
+use crate::artifacts::Library;
 use crate::installation::{Driver, Halves, Installation, write};
-use crate::record::Record;
 use crate::scenario::Scenario;
 use crate::{HarnessError, artifacts};
 use child::Child;
@@ -24,62 +27,6 @@ use parafovea_test_layers::{
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// The program.
-#[derive(Clone, Debug)]
-pub struct Application {
-    name: String,
-    program: PathBuf,
-    arguments: Vec<String>,
-}
-
-impl Application {
-    /// Khronos' hello_xr as the system's packages have it, with the graphics plug-in `Vulkan` or `Vulkan2`.
-    ///
-    /// # Errors
-    /// [`HarnessError::NotInstalled`].
-    pub fn hello_xr(graphics: &str) -> Result<Self, HarnessError> {
-        let arguments = vec!["--graphics".to_owned(), graphics.to_owned()];
-        Ok(Self { name: "hello_xr".to_owned(), program: system_program("hello_xr")?, arguments })
-    }
-
-    /// A program of this workspace.
-    ///
-    /// # Errors
-    /// [`HarnessError::NotBuilt`].
-    pub fn ours(name: &str, arguments: &[&str]) -> Result<Self, HarnessError> {
-        let arguments = arguments.iter().map(|argument| (*argument).to_owned()).collect();
-        Ok(Self { name: name.to_owned(), program: program(name)?, arguments })
-    }
-
-    /// A program of the system.
-    ///
-    /// # Errors
-    /// [`HarnessError::NotInstalled`].
-    pub fn of_system(name: &str, arguments: &[&str]) -> Result<Self, HarnessError> {
-        let arguments = arguments.iter().map(|argument| (*argument).to_owned()).collect();
-        Ok(Self { name: name.to_owned(), program: system_program(name)?, arguments })
-    }
-
-    /// The same, started by a program of the system such as strace, with these arguments before it.
-    ///
-    /// # Errors
-    /// [`HarnessError::NotInstalled`].
-    pub fn under(self, program: &str, arguments: &[&str]) -> Result<Self, HarnessError> {
-        let before = arguments.iter().map(|argument| (*argument).to_owned());
-        let own = std::iter::once(self.program.to_string_lossy().into_owned()).chain(self.arguments);
-        Ok(Self {
-            name: self.name,
-            program: system_program(program)?,
-            arguments: before.chain(own).collect(),
-        })
-    }
-
-    /// Its name in tables and results.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-}
 
 /// How the layer is there.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -421,87 +368,3 @@ const COSTS_FILE: &str = "costs.jsonl";
 
 /// Where the layer that stands in for shading rates writes, in the run's folder.
 const SHADING_RATE_FILE: &str = "shading_rates.jsonl";
-
-/// A run that goes on.
-pub struct Running {
-    run: Run,
-    folder: Folder,
-    installation: Installation,
-    child: Child,
-}
-
-impl Running {
-    /// The configuration file that the application reads.
-    pub fn config_file(&self) -> PathBuf {
-        self.installation.config_file()
-    }
-
-    /// Whether the runtime has saved that picture already ([`Outcome::submitted`]).
-    pub fn has_submitted(&self, view: usize, frame: u64) -> bool {
-        let pictures = self.folder.path().join(&self.run.scenario.output.dir);
-        outcome::submitted_path(&pictures, view, frame).exists()
-    }
-
-    /// Its `$XDG_RUNTIME_DIR`, where the layer tells of it.
-    pub fn runtime_folder(&self) -> PathBuf {
-        self.installation.runtime_folder()
-    }
-
-    /// The number of the application's process.
-    pub fn process_id(&self) -> u32 {
-        self.child.id()
-    }
-
-    /// Whether it has ended, by itself or otherwise.
-    pub fn has_ended(&mut self) -> bool {
-        self.child.has_ended()
-    }
-
-    /// The layer's log so far.
-    pub fn log(&self) -> String {
-        outcome::read_logs(&self.installation.log_folder())
-    }
-
-    /// Has it end by itself, if it is one that ends with its standard input, as hello_xr does.
-    ///
-    /// # Errors
-    /// As for [`Run::finish`].
-    pub fn quit(mut self) -> Result<Outcome, HarnessError> {
-        self.child.close_input();
-        self.finish()
-    }
-
-    /// Kills it, and returns the record of its frames so far.
-    ///
-    /// # Errors
-    /// A record that cannot be read, has fewer than `frames` frames, or a call that broke a rule.
-    pub fn stop(self, frames: u64) -> Result<Record, HarnessError> {
-        let path = self.record_path();
-        let record = Record::load(&path)?;
-        let (recorded, errors) = (record.frames.len() as u64, &record.errors);
-        if recorded < frames || !errors.is_empty() {
-            let lack = format!("{recorded} frames of {frames}, rules broken: {errors:?}");
-            return Err(HarnessError::format(&path, lack));
-        }
-        Ok(record)
-    }
-
-    fn record_path(&self) -> PathBuf {
-        self.folder.path().join(&self.run.scenario.output.dir).join("record.jsonl")
-    }
-
-    /// Waits for its end, or kills it when its time is over.
-    ///
-    /// # Errors
-    /// As for [`Run::finish`].
-    pub fn finish(self) -> Result<Outcome, HarnessError> {
-        let record = self.record_path();
-        let frames = self.run.scenario.session.frames;
-        let is_done = || {
-            self.run.closes_input
-                && Record::load(&record).is_ok_and(|record| record.frames.len() as u64 >= frames)
-        };
-        let exit = self.child.finish(is_done)?;
-        Outcome::collect(self.run.application.name, self.folder, &self.installation, &self.run.scenario, exit)
-    }
-}
