@@ -93,13 +93,19 @@ pub fn planning(
     let gaze = format!("[gaze]\nsource = \"file\"\nfile = {gaze_file:?}\n");
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
     let cases: Vec<_> = CASES.into_iter().filter(|(name, ..)| is_wanted(name)).collect();
-    let mut off = Vec::new();
-    let mut on = vec![Vec::new(); cases.len()];
-    for _ in 0..effort.turns {
-        off.push(times(prepare(Run::new(&application, &scenario)), frames, false)?);
-        for ((case, config, _), on) in cases.iter().zip(&mut on) {
-            let run = prepare(Run::new(&application, &scenario));
-            on.push(times(run.on(&format!("{config}{gaze}")), frames, *case != INERT)?);
+    let mut off = vec![Vec::new(); effort.turns];
+    let mut on = vec![off.clone(); cases.len()];
+    for turn in 0..effort.turns {
+        // Another case after another one in each turn: the case before matters to the first frames of a run.
+        for place in 0..=cases.len() {
+            match (turn + place) % (cases.len() + 1) {
+                0 => off[turn] = times(prepare(Run::new(&application, &scenario)), frames, false)?,
+                place => {
+                    let (case, config, _) = cases[place - 1];
+                    let run = prepare(Run::new(&application, &scenario)).on(&format!("{config}{gaze}"));
+                    on[place - 1][turn] = times(run, frames, case != INERT)?;
+                }
+            }
         }
     }
     let median = |times: &[f64]| median(times.to_vec()).unwrap_or(f64::NAN);
