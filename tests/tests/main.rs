@@ -33,6 +33,8 @@ mod panics;
 mod pictures;
 mod pipelines;
 mod planted;
+mod published;
+
 mod rates;
 mod readme;
 mod rest;

@@ -1,0 +1,96 @@
+//! The preset `paper` in a running application, against the figures of the papers. Those of paper B are in [`super::schedule`].
+
+use parafovea_tests::picture::Picture;
+use parafovea_tests::run::{Application, Run};
+use parafovea_tests::scenario::{FovDegrees, Scenario, ScenarioExt};
+
+/// Width and height of an eye buffer, pixels.
+const SIDE: u32 = 512;
+
+/// Half of the field of view, degrees: a little more than where the curves end.
+const HALF_FOV_DEG: f32 = 57.0;
+
+/// Where the curves of chroma attenuation end by default, degrees.
+const END_DEG: f32 = 55.0;
+
+/// The frame that is compared.
+const SAVED: u64 = 12;
+
+/// Rings of equal width that a disc is made of.
+const RINGS: usize = 110;
+
+/// A picture with all colours in all places: red and green have periods of 256 pixels across and down, blue on the diagonal.
+fn picture(config: Option<&str>) -> Picture {
+    let (size, frames) = (SIDE.to_string(), (SAVED + 1).to_string());
+    let arguments =
+        ["shade", "--style", "dynamic-rendering", "--iterations", "0", "--size", &size, "--frames", &frames];
+    let application = Application::ours("parafovea-overhead", &arguments).unwrap();
+    let mut scenario = Scenario::new(SAVED + 1).sized(SIDE, SIDE).saving(&[SAVED]);
+    for view in &mut scenario.views {
+        let [left, down] = [-HALF_FOV_DEG; 2];
+        view.fov_deg = FovDegrees { left, right: HALF_FOV_DEG, up: HALF_FOV_DEG, down };
+    }
+    let run = Run::new(&application, &scenario);
+    let run = config.iter().fold(run, |run, config| run.on(config));
+    run.finish().unwrap().expect_frames(SAVED + 1).unwrap().submitted(0, SAVED).unwrap()
+}
+
+/// Linear light of an sRGB code value (IEC 61966-2-1).
+fn linear(code: u8) -> f64 {
+    let value = f64::from(code) / 255.0;
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Differences of blue and red from luma (Rec. 709), which are Cb and Cr but for constants.
+fn chroma([red, green, blue, _]: [u8; 4]) -> [f64; 2] {
+    let [red, green, blue] = [red, green, blue].map(linear);
+    let luma = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+    [blue - luma, red - luma]
+}
+
+/// Kept chroma, Cb and Cr, as the mean over the disc in which the curves are, of radius 1: the sum of 2 E f(E) dE.
+fn kept_over_the_disc(off: &Picture, on: &Picture) -> [f64; 2] {
+    let mut rings = [[[0.0f64; 2]; 2]; RINGS];
+    let scale = f64::from(2.0 * HALF_FOV_DEG.to_radians().tan() / SIDE as f32);
+    for (index, (off, on)) in off.pixels.iter().zip(&on.pixels).enumerate() {
+        let place = |at: usize| (at as f64 + 0.5 - f64::from(SIDE) / 2.0) * scale;
+        let tangent = place(index % SIDE as usize).hypot(place(index / SIDE as usize));
+        let eccentricity = tangent.atan().to_degrees() / f64::from(END_DEG);
+        let Some(ring) = rings.get_mut((eccentricity * RINGS as f64) as usize) else { continue };
+        // Where green may leave the gamut, more of Cb is removed than by the curve.
+        if !(40..200).contains(&off[1]) {
+            continue;
+        }
+        for (channel, (off, on)) in chroma(*off).into_iter().zip(chroma(*on)).enumerate() {
+            ring[channel][0] += off * on;
+            ring[channel][1] += off * off;
+        }
+    }
+    [0, 1].map(|channel| {
+        let of_ring = |(number, ring): (usize, &[[f64; 2]; 2])| {
+            let [on, off] = ring[channel];
+            // Without pixels in the innermost rings, which are 0.5 degrees wide, their weight is none either.
+            (2 * number + 1) as f64 * if off > 0.0 { on / off } else { 1.0 }
+        };
+        rings.iter().enumerate().map(of_ring).sum::<f64>() / (RINGS * RINGS) as f64
+    })
+}
+
+/// Disc means of paper C's Eq. 1, 1 / (Z + 1), and of its Eq. 2, integrated. Averaged over both channels, they are the paper's 31 to 37 % over
+/// its bounds.
+#[test]
+fn chroma_over_the_disc_is_that_of_the_paper() {
+    const CR: [(f64, f64); 3] = [(0.35, 0.08499), (0.45, 0.12063), (0.55, 0.15610)];
+    let off = picture(None);
+    for (cb_bound, (cr_bound, cr)) in [(0.70, CR[2]), (0.85, CR[0]), (0.70, CR[1])] {
+        let config = format!(
+            "preset = \"paper\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"off\"\n[reuse]\nmode = \"off\"\n\
+             [chroma]\ncb_bound = {cb_bound}\ncr_bound = {cr_bound}\n"
+        );
+        let kept = kept_over_the_disc(&off, &picture(Some(&config)));
+        println!("Z {cb_bound} and {cr_bound}: Cb {:.4}, Cr {:.4}", kept[0], kept[1]);
+        for (kept, paper) in kept.into_iter().zip([1.0 / (cb_bound + 1.0), cr]) {
+            assert!((kept - paper).abs() < 0.004, "Z {cb_bound} and {cr_bound}: {kept}, {paper} in the paper");
+        }
+    }
+}
