@@ -10,10 +10,10 @@ use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use std::time::Duration;
 
 /// Until every pass is known and rates have settled, frames.
-const SETTLED: u64 = 70;
+pub const SETTLED: u64 = 70;
 
 /// Most frames, 100 ms of real time each, that go by until something is heard.
-const MOST_WAITED: u64 = 200;
+pub const MOST_WAITED: u64 = 200;
 
 /// 100 ms of the runtime's time, frames.
 const LEAST_BETWEEN: usize = 9;
@@ -80,6 +80,11 @@ fn maps(outcome: &Outcome) -> Vec<Vec<u8>> {
 
 /// A tone of 1 kHz at -10 LUFS, and seconds of silence after it, over and over, in a folder that lives as long as it is kept.
 fn tone(seconds: u32, silent: u32) -> (tempfile::TempDir, String) {
+    tone_at(-10.0, seconds, silent)
+}
+
+/// The same at another loudness, LUFS.
+pub fn tone_at(lufs: f64, seconds: u32, silent: u32) -> (tempfile::TempDir, String) {
     const RATE: u32 = 48_000;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tone.wav");
@@ -90,7 +95,7 @@ fn tone(seconds: u32, silent: u32) -> (tempfile::TempDir, String) {
             }
             let phase = f64::from(index) * 1000.0 / f64::from(RATE) * std::f64::consts::TAU;
             // A sine of full scale in both channels has 0 LUFS.
-            let sample = (phase.sin() * 0.316 * 32767.0) as i16;
+            let sample = (phase.sin() * 10f64.powf(lufs / 20.0) * 32767.0) as i16;
             [sample.to_le_bytes(), sample.to_le_bytes()].concat()
         })
         .collect();
@@ -148,7 +153,7 @@ fn in_silence_nothing_is_recomputed() {
 }
 
 /// An application that hears, each of whose frames comes when it is let.
-struct Listening {
+pub struct Listening {
     player: Player,
     heard: std::path::PathBuf,
     frames: u64,
@@ -156,7 +161,7 @@ struct Listening {
 }
 
 impl Listening {
-    fn start(arguments: &[&str], frames: u64, config: &str) -> Self {
+    pub fn start(arguments: &[&str], frames: u64, config: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let heard = folder.path().join("heard");
         let application = Application::ours("parafovea-scene", arguments).unwrap();
@@ -169,7 +174,7 @@ impl Listening {
         Self { player, heard, frames: 0, _folder: folder }
     }
 
-    fn play(&mut self, frames: u64) {
+    pub fn play(&mut self, frames: u64) {
         (0..frames).for_each(|_| self.player.play());
         self.frames += frames;
     }
@@ -181,7 +186,7 @@ impl Listening {
     }
 
     /// Frames until sound is heard, or is not any more.
-    fn play_until_heard(&mut self, is_heard: bool) {
+    pub fn play_until_heard(&mut self, is_heard: bool) {
         for _ in 0..MOST_WAITED {
             self.play(1);
             if self.is_heard() == is_heard {
@@ -194,7 +199,7 @@ impl Listening {
     }
 
     /// All maps of the right eye, by frame; of the first frames there are none.
-    fn finish(self, frames: u64) -> (Outcome, Vec<Vec<u8>>) {
+    pub fn finish(self, frames: u64) -> (Outcome, Vec<Vec<u8>>) {
         let outcome = self.player.finish().unwrap().expect_frames(frames).unwrap();
         assert!(!outcome.log.contains(FALLS_BACK), "{}", outcome.log);
         // The passes of the right eye come last.

@@ -1,5 +1,18 @@
 //! The preset `paper` in a running application, against the figures of the papers. Those of paper B are in [`super::schedule`].
 
+use super::audio_visual::{Listening, MOST_WAITED, SETTLED, tone_at};
+use glam::{Quat, Vec3};
+use parafovea_core::audio::AudioFeatures;
+use parafovea_core::color::Matrix;
+use parafovea_core::gaze::{GazePhase, GazeState};
+use parafovea_core::geometry::Fov;
+use parafovea_core::image::Plane;
+use parafovea_core::kernels::analyze::{Aggregation, Buffers, ContrastSettings, analyze};
+use parafovea_core::perception::ContrastMap;
+use parafovea_core::perception::luminance::luminance_plane;
+use parafovea_core::plan::{
+    AudioVisual, DeviceRates, EyeInput, PlanInput, PlanSettings, Planner, RateSettings, SafetySettings,
+};
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{FovDegrees, Scenario, ScenarioExt};
@@ -90,7 +103,108 @@ fn chroma_over_the_disc_is_that_of_the_paper() {
         let kept = kept_over_the_disc(&off, &picture(Some(&config)));
         println!("Z {cb_bound} and {cr_bound}: Cb {:.4}, Cr {:.4}", kept[0], kept[1]);
         for (kept, paper) in kept.into_iter().zip([1.0 / (cb_bound + 1.0), cr]) {
-            assert!((kept - paper).abs() < 0.004, "Z {cb_bound} and {cr_bound}: {kept}, {paper} in the paper");
+            assert!(
+                (kept - paper).abs() < 0.004,
+                "Z {cb_bound} and {cr_bound}: {kept}, {paper} in the paper"
+            );
         }
+    }
+}
+
+/// The texels of paper A's map of a picture at rest, for a sound, where the eyes look straight ahead.
+fn paper_map(picture: &Picture, fov: Fov, audio: AudioFeatures) -> Vec<u8> {
+    let colors = Plane::from_fn(picture.width, picture.height, |x, y| {
+        let [red, green, blue, _] = picture.at(x, y);
+        Vec3::from([red, green, blue].map(|code| linear(code) as f32))
+    });
+    let mut luminance = Plane::default();
+    luminance_plane(&colors, 100.0, Matrix::Bt709, &mut luminance);
+    let settings = ContrastSettings { aggregation: Aggregation::Mean, ..ContrastSettings::default() };
+    let mut contrast = ContrastMap::default();
+    analyze(&luminance, &settings, &mut Buffers::default(), &mut contrast);
+    let eye = |extent, contrast| EyeInput {
+        offset: [0; 2],
+        extent,
+        fov,
+        orientation: Quat::IDENTITY,
+        contrast,
+        refresh: false,
+    };
+    let input = PlanInput {
+        time_ns: 0,
+        frame: 0,
+        frame_rate_hz: 90.0,
+        eyes: [eye([picture.width, picture.height], Some(&contrast)), eye([0; 2], None)],
+        head: Quat::IDENTITY,
+        gaze: GazeState {
+            directions: [Vec3::NEG_Z; 2],
+            phase: GazePhase::Fixation,
+            trust: 1.0,
+            ..GazeState::LOST
+        },
+        audio: Some(audio),
+    };
+    let settings = PlanSettings {
+        rates: RateSettings::AudioVisual(AudioVisual::PAPER),
+        safety: SafetySettings::PAPER,
+        device: DeviceRates::default(),
+        ..PlanSettings::default()
+    };
+    let mut planner = Planner::new(settings);
+    let mut map = Vec::new();
+    planner.plan(&input).eyes[0].write_map(&mut map);
+    map
+}
+
+/// The texel of 1x1.
+const FULL_RATE: u8 = 0;
+
+/// Texels of the rates of paper A's Algorithm 2, whose areas are 1, 1/4, 1/8 and 1/16: 1x1, 2x2, 2x4 and 4x4.
+const PAPER_RATES: [u8; 4] = [FULL_RATE, 5, 6, 10];
+
+/// Paper A's Algorithm 2 with Eq. 17, on the application's own picture: the map of the device is that of the model.
+#[test]
+fn rates_are_those_of_the_paper() {
+    for lufs in [-30.0, -20.0] {
+        let (_folder, audio) = tone_at(lufs, 2, 0);
+        let frames = MOST_WAITED + SETTLED;
+        let config = format!(
+            "preset = \"paper\"\n[gaze]\nsource = \"centre\"\n[reuse]\nmode = \"off\"\n[chroma]\nmode = \"off\"\n{audio}"
+        );
+        let mut listening = Listening::start(&["--still"], frames, &config);
+        listening.play_until_heard(true);
+        let (outcome, maps) = listening.finish(frames);
+        let picture = outcome.submitted(1, frames - 1).unwrap();
+        let view = Scenario::new(1).views[1].fov_deg;
+        let fov = Fov {
+            left: view.left.to_radians(),
+            right: view.right.to_radians(),
+            up: view.up.to_radians(),
+            down: view.down.to_radians(),
+        };
+        let features = AudioFeatures {
+            loudness_lufs: lufs as f32,
+            gamma_ld: (lufs as f32 + 35.0).clamp(0.0, 25.0),
+            gamma_fq_kilomel: 1.0,
+            silent: false,
+        };
+        let expected = paper_map(&picture, fov, features);
+        let map = maps.last().unwrap();
+        assert_eq!(map.len(), expected.len());
+        // A tile is at full rate in one of so many frames, for contrast that coarse shading hides from the analysis.
+        let differing: Vec<(&u8, &u8)> =
+            map.iter().zip(&expected).filter(|(live, paper)| live != paper).collect();
+        println!("{lufs} LUFS: {} of {} tiles differ", differing.len(), map.len());
+        // The GPU keeps contrast in half floats, so that a tile on the border between two rates may get the other one.
+        let step = |texel: &u8| PAPER_RATES.iter().position(|rate| rate == texel);
+        let is_near = |(live, paper): &(&u8, &u8)| match (step(live), step(paper)) {
+            (Some(0), Some(_)) => true,
+            (Some(live), Some(paper)) => live.abs_diff(paper) == 1,
+            _ => false,
+        };
+        assert!(differing.iter().all(is_near), "{differing:?}\n{}", outcome.log);
+        assert!(differing.len() * 32 <= map.len(), "{differing:?}");
+        assert!(map.iter().all(|texel| PAPER_RATES.contains(texel)), "{map:?}");
+        assert!(PAPER_RATES.iter().all(|texel| map.contains(texel)), "{map:?}");
     }
 }
