@@ -40,10 +40,16 @@ pub fn get_link() -> unsafe extern "system" fn() {
     unsafe { std::mem::transmute::<GetLink, unsafe extern "system" fn()>(table) }
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn table() -> *const LinkTable {
     &TABLE
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn device_record(device: vk::Device, record: *mut DeviceRecord) -> u32 {
     // SAFETY: the other half passes a live device, and a record to write to (link.rs).
     guard(
@@ -62,6 +68,9 @@ unsafe extern "C" fn device_record(device: vk::Device, record: *mut DeviceRecord
     )
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn set_active(device: vk::Device, active: u32) {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
@@ -78,6 +87,9 @@ unsafe extern "C" fn set_active(device: vk::Device, active: u32) {
     );
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn set_runtime_section(enter: u32) {
     runtime_section::set(enter != 0);
 }
@@ -106,6 +118,9 @@ unsafe fn with_armed<T>(
     );
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn capabilities(device: vk::Device, record: *mut CapabilitiesRecord) -> u32 {
     // SAFETY: the other half passes a live device, and a record to write to (link.rs).
     guard(
@@ -124,6 +139,9 @@ unsafe extern "C" fn capabilities(device: vk::Device, record: *mut CapabilitiesR
     )
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecord) {
     // SAFETY: the other half passes a live device and a valid record (link.rs).
     unsafe {
@@ -133,6 +151,9 @@ unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecor
     }
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
     // SAFETY: the other half passes a live device and a valid record (link.rs).
     unsafe {
@@ -167,6 +188,9 @@ unsafe fn note_start(armed: &Armed, start: &FrameStart) {
     }
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
     // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
     unsafe {
@@ -178,6 +202,9 @@ unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
     }
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn end_frame(
     device: vk::Device,
     submission: *const ShownRecord,
@@ -260,6 +287,9 @@ unsafe fn write_stale(log: &Log, eye: usize, record: &mut StaleRecord) {
     }
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn stale(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32 {
     // SAFETY: the other half passes a live device, and a record to write to, whose words begin where it says (link.rs).
     guard(
@@ -275,6 +305,9 @@ unsafe extern "C" fn stale(device: vk::Device, eye: u32, record: *mut StaleRecor
     )
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyRecord) -> u32 {
     // SAFETY: the other half passes a live device and a valid record, whose buffer and queue are as it says (link.rs).
     guard(
@@ -290,6 +323,9 @@ unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyReco
     )
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
@@ -305,6 +341,9 @@ unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
     )
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn is_used_beside(device: vk::Device, image: vk::Image, queue: *const [u32; 2]) -> u32 {
     // SAFETY: the other half passes a live device and two numbers (link.rs).
     guard(
@@ -319,6 +358,9 @@ unsafe extern "C" fn is_used_beside(device: vk::Device, image: vk::Image, queue:
     )
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn layout(device: vk::Device, image: vk::Image) -> vk::ImageLayout {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
@@ -334,6 +376,9 @@ unsafe extern "C" fn layout(device: vk::Device, image: vk::Image) -> vk::ImageLa
     )
 }
 
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
     // SAFETY: the other half passes a record to write to (link.rs).
     guard(

@@ -15,6 +15,10 @@ use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// `vkQueueSubmit`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn submit(
     queue: vk::Queue,
     count: u32,
@@ -36,6 +40,10 @@ pub unsafe extern "system" fn submit(
 }
 
 /// `vkQueueSubmit2`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn submit2(
     queue: vk::Queue,
     count: u32,

@@ -34,6 +34,10 @@ fn below_of(handle: xr::Instance) -> Option<(Option<Arc<Instance>>, Next)> {
 }
 
 /// `xrStringToPath`: who asks for the path of an input will have action sets some day.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn string_to_path(
     handle: xr::Instance,
     text: *const c_char,
@@ -51,6 +55,10 @@ pub unsafe extern "system" fn string_to_path(
 }
 
 /// `xrCreateActionSet`: an application that has one will attach it some day.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_action_set(
     handle: xr::Instance,
     info: *const xr::ActionSetCreateInfo,
@@ -77,6 +85,10 @@ pub unsafe extern "system" fn create_action_set(
 }
 
 /// `xrCreateAction`: which set an action is in decides about the priority of ours.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_action(
     set: xr::ActionSet,
     info: *const xr::ActionCreateInfo,
@@ -134,6 +146,10 @@ unsafe fn names_eyes(instance: &Instance, info: *const xr::ActionCreateInfo) -> 
 
 /// `xrSuggestInteractionProfileBindings`: the application's suggestion for eye gaze is remembered, because
 /// our suggestion will take its place. Without the extension, which is on because of us, it gets no such profile.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn suggest_bindings(
     handle: xr::Instance,
     suggestion: *const xr::InteractionProfileSuggestedBinding,
@@ -170,6 +186,10 @@ pub unsafe extern "system" fn suggest_bindings(
 
 /// `xrAttachSessionActionSets`: with ours, first. If that fails, the call is made as the application made it,
 /// so that the runtime's own result is what the application gets.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn attach(
     handle: xr::Session,
     info: *const xr::SessionActionSetsAttachInfo,
@@ -229,6 +249,10 @@ pub unsafe extern "system" fn attach(
 
 /// `xrSyncActions`: with ours. If that fails before it has ever succeeded, as for [`attach`]; later it is the application's
 /// mistake, which the runtime is to see once.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::ActionsSyncInfo) -> xr::Result {
     let known = session::find(handle);
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
@@ -287,6 +311,10 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
 }
 
 /// `xrGetCurrentInteractionProfile`: nothing where there would be nothing without us.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn get_current_profile(
     handle: xr::Session,
     user: xr::Path,
@@ -332,6 +360,10 @@ pub unsafe extern "system" fn get_current_profile(
 const EVENTS_AT_ONCE: usize = 16;
 
 /// `xrPollEvent`: no event about interaction profiles that there only is because of us.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn poll_event(
     handle: xr::Instance,
     event: *mut xr::EventDataBuffer,

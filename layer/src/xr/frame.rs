@@ -34,6 +34,10 @@ use std::time::Instant;
 use work::Work;
 
 /// `xrWaitFrame`: the time of a frame in which nothing is urgent, so here the configuration is looked at.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn wait(
     handle: xr::Session,
     info: *const xr::FrameWaitInfo,
@@ -72,6 +76,10 @@ pub unsafe extern "system" fn wait(
 }
 
 /// `xrBeginFrame`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn begin(handle: xr::Session, info: *const xr::FrameBeginInfo) -> xr::Result {
     let known = session::find(handle);
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
@@ -95,6 +103,10 @@ pub unsafe extern "system" fn begin(handle: xr::Session, info: *const xr::FrameB
 
 /// `xrEndFrame`: the application's submission goes to the runtime unchanged, after the runtime's images were
 /// written from the application's.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEndInfo) -> xr::Result {
     let known = session::find(handle);
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {

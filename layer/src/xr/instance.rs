@@ -86,6 +86,10 @@ pub fn any_offering() -> Option<Arc<Instance>> {
 }
 
 /// `xrCreateApiLayerInstance`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     info: *const xr::InstanceCreateInfo,
     layer_info: *const xr::ApiLayerCreateInfo,
@@ -284,6 +288,10 @@ fn track(
 }
 
 /// `xrDestroyInstance`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(handle: xr::Instance) -> xr::Result {
     let Some(next) = hooked(handle).map(|instance| instance.next).or_else(next_of_any) else {
         return xr::Result::ERROR_HANDLE_INVALID;

@@ -7,6 +7,10 @@ use openxr_sys::pfn;
 use std::ffi::{CStr, c_char};
 
 /// `xrGetInstanceProcAddr`. A hook stands in only for a function that the next layer has.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn get(
     handle: xr::Instance,
     name: *const c_char,

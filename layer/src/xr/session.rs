@@ -113,6 +113,10 @@ pub fn forget_all_of(instance: xr::Instance) {
 }
 
 /// `xrCreateSession`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     instance: xr::Instance,
     info: *const xr::SessionCreateInfo,
@@ -225,6 +229,10 @@ fn gaze_of(source: GazeSource, has_tracker: bool) -> &'static str {
 }
 
 /// `xrDestroySession`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
     let known = find(handle);
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {

@@ -170,6 +170,10 @@ fn find(handle: xr::Swapchain) -> Option<(Option<Arc<Swapchain>>, Next)> {
 }
 
 /// `xrDestroySwapchain`. Our images go first: nothing of ours may still use the runtime's.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(handle: xr::Swapchain) -> xr::Result {
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own argument.

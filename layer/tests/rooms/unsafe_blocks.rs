@@ -1,4 +1,4 @@
-//! Unsafe blocks are short, so that each has one argument: safe code stands outside.
+//! Unsafe blocks are short, so that each has one argument: safe code stands outside. Unsafe functions state their demands.
 
 use super::{modules, source_folder};
 use std::collections::BTreeMap;
@@ -102,6 +102,62 @@ fn unsafe_blocks_are_short() {
     }
     assert!(count > 700, "{count} unsafe blocks");
     assert!(long.is_empty(), "unsafe blocks of more than {LONGEST} lines:\n{}", long.join("\n"));
+}
+
+/// Unsafe functions of a source without a section on safety in their documentation: the numbers of their lines, from 1. A method of a trait
+/// has the section of the trait.
+fn silent_functions(source: &str) -> Vec<usize> {
+    let is_documentation = |line: &&str| line.starts_with("///") || line.starts_with("#[");
+    let mut silent = Vec::new();
+    let lines: Vec<&str> = source.lines().map(str::trim_start).collect();
+    for (index, line) in lines.iter().enumerate() {
+        let function = line.split_once("unsafe ").is_some_and(|(before, after)| {
+            let of_abi = after.strip_prefix("extern \"").and_then(|abi| abi.split_once("\" "));
+            let is_start = before.is_empty() || before.starts_with("pub") && before.ends_with(' ');
+            is_start && of_abi.map_or(after, |(_, after)| after).starts_with("fn ")
+        });
+        let mut above = lines[..index].iter().rev().copied().take_while(is_documentation);
+        if function && !above.any(|line| line == "/// # Safety") {
+            silent.push(index + 1);
+        }
+    }
+    silent
+}
+
+/// Methods whose trait states the demands.
+const OF_TRAITS: [&str; 1] = ["unsafe fn record_upload(&self"];
+
+#[test]
+fn unsafe_functions_state_their_demands() {
+    let mut sources = BTreeMap::new();
+    modules(&source_folder(), &[], &mut sources);
+    let mut silent = Vec::new();
+    for (module, source) in &sources {
+        for line in silent_functions(source) {
+            let text = source.lines().nth(line - 1).unwrap_or_default();
+            if !OF_TRAITS.iter().any(|method| text.contains(method)) {
+                silent.push(format!("{}.rs:{line}: {text}", module.join("/")));
+            }
+        }
+    }
+    assert!(silent.is_empty(), "unsafe functions without `# Safety`:\n{}", silent.join("\n"));
+}
+
+#[test]
+fn silent_unsafe_functions_are_found() {
+    let source = "
+        /// # Safety
+        ///
+        /// The device is live.
+        #[cold]
+        pub(super) unsafe fn a() {}
+        /// Nothing.
+        unsafe fn b() {}
+        pub unsafe extern \"system\" fn c() {}
+        type D = unsafe extern \"C\" fn();
+        fn e() -> unsafe fn() { unsafe { f() } }
+    ";
+    assert_eq!(silent_functions(source), [8, 9]);
 }
 
 #[test]

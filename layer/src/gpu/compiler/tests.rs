@@ -3,14 +3,23 @@ use std::ffi::{c_char, c_void};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn no_instance_function(_: vk::Instance, _: *const c_char) -> vk::PFN_vkVoidFunction {
     None
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn no_device_function(_: vk::Device, _: *const c_char) -> vk::PFN_vkVoidFunction {
     None
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn set_loader_data(_: vk::Device, _: *mut c_void) -> vk::Result {
     vk::Result::SUCCESS
 }

@@ -15,6 +15,10 @@ use ash::vk;
 use std::ffi::{CStr, c_char};
 
 /// `vkGetInstanceProcAddr`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn instance(handle: vk::Instance, name: *const c_char) -> vk::PFN_vkVoidFunction {
     // SAFETY: the caller passes a null-terminated name, and an instance that is null or live.
     guard(
@@ -48,6 +52,10 @@ pub unsafe extern "system" fn instance(handle: vk::Instance, name: *const c_char
 
 /// `vkGetDeviceProcAddr`. Answers the OpenXR half's question for the link, for an armed device and for one that the
 /// configuration keeps inert.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
     // SAFETY: the caller passes a null-terminated name and a live device.
     guard(
@@ -99,6 +107,10 @@ fn is_wanted(device: &Device, name: &CStr) -> bool {
 }
 
 /// `vk_layerGetPhysicalDeviceProcAddr`: functions of physical devices, and nothing else.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn physical_device(
     handle: vk::Instance,
     name: *const c_char,

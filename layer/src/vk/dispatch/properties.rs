@@ -7,6 +7,10 @@ use parafovea_manifest::json::VULKAN_VERSION;
 use std::ffi::{CStr, c_char};
 
 /// `vkEnumerateInstanceLayerProperties`, of this layer alone.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn enumerate_instance_layers(
     count: *mut u32,
     properties: *mut vk::LayerProperties,
@@ -32,6 +36,10 @@ pub unsafe extern "system" fn enumerate_instance_layers(
 }
 
 /// `vkEnumerateDeviceLayerProperties`: the same, as the specification deprecates layers of devices.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn enumerate_device_layers(
     _physical_device: vk::PhysicalDevice,
     count: *mut u32,
@@ -42,6 +50,10 @@ pub unsafe extern "system" fn enumerate_device_layers(
 }
 
 /// `vkEnumerateInstanceExtensionProperties`: none of ours, and no answer for anybody else.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn enumerate_instance_extensions(
     layer: *const c_char,
     count: *mut u32,
@@ -52,6 +64,10 @@ pub unsafe extern "system" fn enumerate_instance_extensions(
 }
 
 /// `vkEnumerateDeviceExtensionProperties`: none of ours; every other question goes on to the next layer.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn enumerate_device_extensions(
     physical_device: vk::PhysicalDevice,
     layer: *const c_char,

@@ -53,6 +53,9 @@ mod tests {
     use std::ffi::c_void;
     use std::sync::atomic::AtomicU32;
 
+    /// # Safety
+    ///
+    /// The context is a live counter.
     unsafe extern "C" fn count(calls: *const c_void) {
         // SAFETY: the test's own counter.
         let calls = unsafe { &*calls.cast::<AtomicU32>() };

@@ -6,6 +6,10 @@ use crate::vk::objects::descriptors::reads_image;
 use ash::vk;
 
 /// `vkAllocateDescriptorSets`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn allocate(
     device: vk::Device,
     info: *const vk::DescriptorSetAllocateInfo<'_>,
@@ -35,6 +39,10 @@ pub unsafe extern "system" fn allocate(
 }
 
 /// `vkUpdateDescriptorSets`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn update(
     device: vk::Device,
     write_count: u32,
@@ -70,6 +78,10 @@ pub unsafe extern "system" fn update(
 }
 
 /// `vkUpdateDescriptorSetWithTemplate`, whose data only the template tells.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn update_with_template(
     device: vk::Device,
     set: vk::DescriptorSet,

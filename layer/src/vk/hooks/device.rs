@@ -22,6 +22,10 @@ use std::ffi::CStr;
 use std::sync::Arc;
 
 /// `vkCreateDevice`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     physical_device: vk::PhysicalDevice,
     info: *const vk::DeviceCreateInfo<'_>,
@@ -231,6 +235,10 @@ unsafe fn arm(
 }
 
 /// `vkDestroyDevice`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(device: vk::Device, allocator: *const vk::AllocationCallbacks<'_>) {
     // SAFETY: the application vouches that the device is null or live until the call down.
     let key = unsafe { DispatchKey::of(device) };

@@ -6,6 +6,10 @@ use ash::vk;
 use std::sync::Arc;
 
 /// `vkCreateFramebuffer`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::FramebufferCreateInfo<'_>,
@@ -45,6 +49,10 @@ pub unsafe extern "system" fn create(
 }
 
 /// `vkDestroyFramebuffer`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(
     device: vk::Device,
     framebuffer: vk::Framebuffer,

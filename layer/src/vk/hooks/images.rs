@@ -5,6 +5,10 @@ use crate::vk::objects::Image;
 use ash::vk;
 
 /// `vkCreateImage`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::ImageCreateInfo<'_>,
@@ -43,6 +47,10 @@ pub unsafe extern "system" fn create(
 }
 
 /// `vkDestroyImage`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(
     device: vk::Device,
     image: vk::Image,
@@ -60,6 +68,10 @@ pub unsafe extern "system" fn destroy(
 }
 
 /// `vkGetDeviceImageMemoryRequirements`: those of an image as it would be created here.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn memory_requirements(
     device: vk::Device,
     info: *const vk::DeviceImageMemoryRequirements<'_>,

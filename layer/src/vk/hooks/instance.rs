@@ -16,6 +16,10 @@ use std::sync::Arc;
 
 /// `vkCreateInstance`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader or
 /// the layer below lacks functions of Vulkan 1.0.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     info: *const vk::InstanceCreateInfo<'_>,
     allocator: *const vk::AllocationCallbacks<'_>,
@@ -147,6 +151,10 @@ unsafe fn track(
 }
 
 /// `vkDestroyInstance`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(instance: vk::Instance, allocator: *const vk::AllocationCallbacks<'_>) {
     // SAFETY: the application vouches that the instance is null or live until the call down.
     let key = unsafe { DispatchKey::of(instance) };

@@ -5,6 +5,10 @@ use crate::vk::objects::descriptors;
 use ash::vk;
 
 /// `vkCreateDescriptorSetLayout`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_set_layout(
     device: vk::Device,
     info: *const vk::DescriptorSetLayoutCreateInfo<'_>,
@@ -32,6 +36,10 @@ pub unsafe extern "system" fn create_set_layout(
 }
 
 /// `vkDestroyDescriptorSetLayout`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy_set_layout(
     device: vk::Device,
     layout: vk::DescriptorSetLayout,
@@ -51,6 +59,10 @@ pub unsafe extern "system" fn destroy_set_layout(
 }
 
 /// `vkCreatePipelineLayout`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::PipelineLayoutCreateInfo<'_>,
@@ -73,6 +85,10 @@ pub unsafe extern "system" fn create(
 }
 
 /// `vkDestroyPipelineLayout`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(
     device: vk::Device,
     layout: vk::PipelineLayout,

@@ -4,6 +4,10 @@ use crate::vk::device;
 use ash::vk;
 
 /// `vkCreateGraphicsPipelines`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_pipelines(
     device: vk::Device,
     cache: vk::PipelineCache,
@@ -36,6 +40,10 @@ pub unsafe extern "system" fn create_pipelines(
 }
 
 /// `vkDestroyPipeline`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy_pipeline(
     device: vk::Device,
     pipeline: vk::Pipeline,

@@ -5,6 +5,10 @@ use crate::vk::objects::QueueId;
 use ash::vk;
 
 /// `vkGetDeviceQueue`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn get(device: vk::Device, family: u32, index: u32, queue: *mut vk::Queue) {
     hook!("vkGetDeviceQueue", device::with, get_device_queue(device, family, index, queue), |known, next| {
         next();
@@ -16,6 +20,10 @@ pub unsafe extern "system" fn get(device: vk::Device, family: u32, index: u32, q
 }
 
 /// `vkGetDeviceQueue2`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn get2(
     device: vk::Device,
     info: *const vk::DeviceQueueInfo2<'_>,
@@ -37,6 +45,10 @@ pub unsafe extern "system" fn get2(
 }
 
 /// `vkCreateQueryPool`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_query_pool(
     device: vk::Device,
     info: *const vk::QueryPoolCreateInfo<'_>,
@@ -62,6 +74,10 @@ pub unsafe extern "system" fn create_query_pool(
 }
 
 /// `vkDestroyQueryPool`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy_query_pool(
     device: vk::Device,
     pool: vk::QueryPool,

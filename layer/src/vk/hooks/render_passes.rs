@@ -6,6 +6,10 @@ use ash::vk;
 use std::sync::Arc;
 
 /// `vkCreateRenderPass`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::RenderPassCreateInfo<'_>,
@@ -46,6 +50,10 @@ pub unsafe extern "system" fn create(
 }
 
 /// `vkCreateRenderPass2`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create2(
     device: vk::Device,
     info: *const vk::RenderPassCreateInfo2<'_>,
@@ -83,6 +91,10 @@ pub unsafe extern "system" fn create2(
 }
 
 /// `vkDestroyRenderPass`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(
     device: vk::Device,
     pass: vk::RenderPass,

@@ -7,6 +7,10 @@ use ash::vk;
 use std::sync::Arc;
 
 /// `vkCreateShaderModule`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_shader_module(
     device: vk::Device,
     info: *const vk::ShaderModuleCreateInfo<'_>,
@@ -35,6 +39,10 @@ pub unsafe extern "system" fn create_shader_module(
 }
 
 /// `vkDestroyShaderModule`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy_shader_module(
     device: vk::Device,
     module: vk::ShaderModule,
@@ -69,6 +77,10 @@ fn note(identifier: &vk::ShaderModuleIdentifierEXT<'_>, shaders: Option<Arc<Frag
 }
 
 /// `vkGetShaderModuleIdentifierEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn of_module(
     device: vk::Device,
     module: vk::ShaderModule,
@@ -88,6 +100,10 @@ pub unsafe extern "system" fn of_module(
 }
 
 /// `vkGetShaderModuleCreateInfoIdentifierEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn of_create_info(
     device: vk::Device,
     info: *const vk::ShaderModuleCreateInfo<'_>,

@@ -5,6 +5,10 @@ use crate::vk::device;
 use ash::vk;
 
 /// `vkCreateShadersEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     device: vk::Device,
     count: u32,
@@ -36,6 +40,10 @@ pub unsafe extern "system" fn create(
 }
 
 /// `vkDestroyShaderEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(
     device: vk::Device,
     shader: vk::ShaderEXT,

@@ -24,6 +24,10 @@ unsafe fn asked_usage(armed: &Armed, info: &vk::ImageViewCreateInfo<'_>) -> Opti
 }
 
 /// `vkCreateImageView`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::ImageViewCreateInfo<'_>,
@@ -75,6 +79,10 @@ fn note_created(objects: &Objects, view: vk::ImageView, created: Option<View>) {
 }
 
 /// `vkDestroyImageView`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(
     device: vk::Device,
     view: vk::ImageView,

@@ -8,6 +8,10 @@ use crate::vk::device;
 use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
 
 /// `vkCmdSetFragmentShadingRateKHR`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn set_rate(
     buffer: vk::CommandBuffer,
     size: *const vk::Extent2D,
@@ -35,6 +39,10 @@ pub unsafe extern "system" fn set_rate(
 }
 
 /// `vkCmdBindPipeline`, hooked only where the rate of a pipeline may have to be set, or passes may have masks.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn bind_pipeline(
     buffer: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
@@ -90,6 +98,10 @@ unsafe fn set_rate_of(known: &Buffer, handle: vk::CommandBuffer, pipeline: vk::P
 }
 
 /// `vkCmdBindShadersEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn bind_shaders(
     buffer: vk::CommandBuffer,
     count: u32,

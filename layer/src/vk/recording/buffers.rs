@@ -8,6 +8,10 @@ use ash::vk;
 use std::sync::Arc;
 
 /// `vkCreateCommandPool`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_pool(
     device: vk::Device,
     info: *const vk::CommandPoolCreateInfo<'_>,
@@ -37,6 +41,10 @@ pub unsafe extern "system" fn create_pool(
 }
 
 /// `vkDestroyCommandPool`, which frees its command buffers.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy_pool(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -59,6 +67,10 @@ pub unsafe extern "system" fn destroy_pool(
 }
 
 /// `vkResetCommandPool`, which resets its command buffers.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn reset_pool(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -75,6 +87,10 @@ pub unsafe extern "system" fn reset_pool(
 }
 
 /// `vkAllocateCommandBuffers`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn allocate(
     device: vk::Device,
     info: *const vk::CommandBufferAllocateInfo<'_>,
@@ -116,6 +132,10 @@ fn note_allocated(
 }
 
 /// `vkFreeCommandBuffers`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn free(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -151,6 +171,10 @@ impl Buffer {
 }
 
 /// `vkBeginCommandBuffer`, which resets it.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn begin(
     handle: vk::CommandBuffer,
     info: *const vk::CommandBufferBeginInfo<'_>,
@@ -179,6 +203,10 @@ pub unsafe extern "system" fn begin(
 }
 
 /// `vkResetCommandBuffer`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn reset(
     handle: vk::CommandBuffer,
     flags: vk::CommandBufferResetFlags,
@@ -193,6 +221,10 @@ pub unsafe extern "system" fn reset(
 }
 
 /// `vkCmdExecuteCommands`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn execute(
     handle: vk::CommandBuffer,
     count: u32,

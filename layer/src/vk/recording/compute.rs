@@ -108,6 +108,10 @@ pub fn device_ends(key: DispatchKey) {
 const RESERVED: usize = 1;
 
 /// `vkCmdBindDescriptorSets`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 #[allow(clippy::too_many_arguments, reason = "those of the call")]
 pub unsafe extern "system" fn bind_sets(
     handle: vk::CommandBuffer,
@@ -141,6 +145,10 @@ pub unsafe extern "system" fn bind_sets(
 }
 
 /// The same, of any device, and noted.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 #[allow(clippy::too_many_arguments, reason = "those of the call")]
 unsafe extern "system" fn bind_sets_tracked(
     handle: vk::CommandBuffer,
@@ -194,6 +202,10 @@ unsafe fn note_sets(
 }
 
 /// `vkCmdBindDescriptorSets2`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn bind_sets2(
     handle: vk::CommandBuffer,
     info: *const vk::BindDescriptorSetsInfoKHR<'_>,
@@ -240,6 +252,10 @@ fn of(stages: vk::ShaderStageFlags) -> [bool; 2] {
 macro_rules! binds_more {
     ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), for $points:expr;)*) => {$(
         #[doc = concat!("`", $call, "`.")]
+        ///
+        /// # Safety
+        ///
+        /// The valid usage of the call.
         pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
             hook!($call, with_buffer, $field(handle $(, $argument)*), |known, next| {
                 next();

@@ -161,6 +161,10 @@ unsafe fn note(
 }
 
 /// `vkCmdBindDescriptorBuffersEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn bind(
     handle: vk::CommandBuffer,
     count: u32,
@@ -182,6 +186,10 @@ pub unsafe extern "system" fn bind(
 }
 
 /// `vkCmdSetDescriptorBufferOffsetsEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn set_offsets(
     handle: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
@@ -210,6 +218,10 @@ pub unsafe extern "system" fn set_offsets(
 }
 
 /// `vkCmdSetDescriptorBufferOffsets2EXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn set_offsets2(
     handle: vk::CommandBuffer,
     info: *const vk::SetDescriptorBufferOffsetsInfoEXT<'_>,
@@ -242,6 +254,10 @@ pub unsafe extern "system" fn set_offsets2(
 }
 
 /// `vkCmdBindDescriptorBufferEmbeddedSamplersEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn bind_samplers(
     handle: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
@@ -264,6 +280,10 @@ pub unsafe extern "system" fn bind_samplers(
 }
 
 /// `vkCmdBindDescriptorBufferEmbeddedSamplers2EXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn bind_samplers2(
     handle: vk::CommandBuffer,
     info: *const vk::BindDescriptorBufferEmbeddedSamplersInfoEXT<'_>,

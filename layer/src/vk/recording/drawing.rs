@@ -139,6 +139,10 @@ fn keep<T: Copy>(kept: &mut SmallVec<[Option<T>; 2]>, first: u32, values: &[T]) 
 }
 
 /// `vkCmdSetViewport`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn set_viewport(
     handle: vk::CommandBuffer,
     first: u32,
@@ -163,6 +167,10 @@ pub unsafe extern "system" fn set_viewport(
 }
 
 /// `vkCmdSetScissor`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn set_scissor(
     handle: vk::CommandBuffer,
     first: u32,

@@ -7,6 +7,10 @@ use crate::pass_detection::Target;
 use ash::vk;
 
 /// `vkCmdPipelineBarrier`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 #[allow(clippy::too_many_arguments, reason = "the arguments of vkCmdPipelineBarrier")]
 pub unsafe extern "system" fn pipeline_barrier(
     handle: vk::CommandBuffer,
@@ -55,6 +59,10 @@ pub unsafe extern "system" fn pipeline_barrier(
 }
 
 /// `vkCmdPipelineBarrier2`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn pipeline_barrier2(
     handle: vk::CommandBuffer,
     info: *const vk::DependencyInfo<'_>,

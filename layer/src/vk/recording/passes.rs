@@ -12,6 +12,10 @@ use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// `vkCmdBeginRenderPass`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn begin(
     handle: vk::CommandBuffer,
     info: *const vk::RenderPassBeginInfo<'_>,
@@ -37,6 +41,10 @@ pub unsafe extern "system" fn begin(
 }
 
 /// `vkCmdBeginRenderPass2`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn begin2(
     handle: vk::CommandBuffer,
     info: *const vk::RenderPassBeginInfo<'_>,
@@ -62,6 +70,10 @@ pub unsafe extern "system" fn begin2(
 }
 
 /// `vkCmdEndRenderPass`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
     hook!("vkCmdEndRenderPass", with_buffer, cmd_end_render_pass(handle), |known, next| {
         next();
@@ -73,6 +85,10 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
 }
 
 /// `vkCmdEndRenderPass2`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn end2(handle: vk::CommandBuffer, info: *const vk::SubpassEndInfo<'_>) {
     hook!("vkCmdEndRenderPass2", with_buffer, cmd_end_render_pass2(handle, info), |known, next| {
         next();
@@ -84,6 +100,10 @@ pub unsafe extern "system" fn end2(handle: vk::CommandBuffer, info: *const vk::S
 }
 
 /// `vkCmdClearAttachments`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn clear_attachments(
     handle: vk::CommandBuffer,
     count: u32,

@@ -115,6 +115,10 @@ impl Buffer {
 }
 
 /// `vkEndCommandBuffer`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Result {
     hook!("vkEndCommandBuffer", with_buffer, end_command_buffer(handle), |known, next| {
         if let Some(known) = known {
@@ -131,6 +135,10 @@ pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Resul
 }
 
 /// `vkCmdWaitEvents`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 #[allow(clippy::too_many_arguments, reason = "the arguments of vkCmdWaitEvents")]
 pub unsafe extern "system" fn wait_events(
     handle: vk::CommandBuffer,
@@ -172,6 +180,10 @@ pub unsafe extern "system" fn wait_events(
 }
 
 /// `vkCmdWaitEvents2`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn wait_events2(
     handle: vk::CommandBuffer,
     count: u32,

@@ -4,6 +4,10 @@ use super::{Buffer, Recorded, Within, with_buffer};
 use ash::vk;
 
 /// `vkCmdBeginQuery`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn begin(
     handle: vk::CommandBuffer,
     pool: vk::QueryPool,
@@ -35,6 +39,10 @@ unsafe fn fill_before(known: Option<&Buffer>, handle: vk::CommandBuffer) {
 }
 
 /// `vkCmdEndQuery`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
     hook!("vkCmdEndQuery", with_buffer, cmd_end_query(handle, pool, query), |known, next| {
         next();
@@ -46,6 +54,10 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer, pool: vk::QueryPool
 }
 
 /// `vkCmdBeginConditionalRenderingEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn begin_conditional(
     handle: vk::CommandBuffer,
     info: *const vk::ConditionalRenderingBeginInfoEXT<'_>,
@@ -68,6 +80,10 @@ pub unsafe extern "system" fn begin_conditional(
 }
 
 /// `vkCmdEndConditionalRenderingEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn end_conditional(handle: vk::CommandBuffer) {
     hook!(
         "vkCmdEndConditionalRenderingEXT",

@@ -12,6 +12,10 @@ use ash::vk;
 use std::sync::Arc;
 
 /// `vkCmdBeginRendering`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>) {
     hook!("vkCmdBeginRendering", with_buffer, cmd_begin_rendering(handle, info), |known, next, answer| {
         let begin = |info: *const vk::RenderingInfo<'_>| {
@@ -28,6 +32,10 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
 }
 
 /// `vkCmdEndRendering`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
     hook!("vkCmdEndRendering", with_buffer, cmd_end_rendering(handle), |known, next| {
         next();

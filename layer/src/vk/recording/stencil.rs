@@ -60,6 +60,10 @@ pub fn changes(of: &Buffer, handle: vk::CommandBuffer) {
 }
 
 /// `vkCmdSetStencilTestEnable`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn set_test(handle: vk::CommandBuffer, is_on: vk::Bool32) {
     hook!(
         "vkCmdSetStencilTestEnable",
@@ -76,6 +80,10 @@ pub unsafe extern "system" fn set_test(handle: vk::CommandBuffer, is_on: vk::Boo
 }
 
 /// `vkCmdSetStencilOp`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn set_op(
     handle: vk::CommandBuffer,
     faces: vk::StencilFaceFlags,

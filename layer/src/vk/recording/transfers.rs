@@ -12,6 +12,10 @@ use region::Region;
 macro_rules! transfer {
     ($function:ident, $name:literal, $next:ident, $kind:ident, $region:ident $(, $filter:ident)?) => {
         #[doc = concat!("`", $name, "`.")]
+        ///
+        /// # Safety
+        ///
+        /// The valid usage of the call.
         pub unsafe extern "system" fn $function(
             handle: vk::CommandBuffer,
             from: vk::Image,
@@ -47,6 +51,10 @@ macro_rules! transfer {
 macro_rules! transfer2 {
     ($function:ident, $name:literal, $next:ident, $kind:ident, $info:ident) => {
         #[doc = concat!("`", $name, "`.")]
+        ///
+        /// # Safety
+        ///
+        /// The valid usage of the call.
         pub unsafe extern "system" fn $function(handle: vk::CommandBuffer, info: *const vk::$info<'_>) {
             hook!($name, with_buffer, $next(handle, info), |known, next| {
                 if let Some(known) = &known {

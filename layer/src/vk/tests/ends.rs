@@ -10,6 +10,10 @@ thread_local! {
 }
 
 /// Notes the device, and whether that is still there.
+///
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn ended(device: vk::Device) {
     let is_there = !fake::calls().iter().any(|call| call.starts_with("vkDestroyDevice"));
     ENDED.with_borrow_mut(|ended| ended.push((device.as_raw(), is_there)));

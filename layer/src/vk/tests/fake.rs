@@ -107,6 +107,9 @@ unsafe fn spoil<H: Handle>(handle: *mut H, mut at: *const c_void, loader: vk::St
     }
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_instance(
     info: *const vk::InstanceCreateInfo<'_>,
     _: *const vk::AllocationCallbacks<'_>,
@@ -126,6 +129,9 @@ unsafe extern "system" fn create_instance(
     vk::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_device(
     _: vk::PhysicalDevice,
     info: *const vk::DeviceCreateInfo<'_>,
@@ -149,14 +155,23 @@ unsafe extern "system" fn create_device(
     vk::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn destroy_instance(instance: vk::Instance, _: *const vk::AllocationCallbacks<'_>) {
     called(format!("vkDestroyInstance {:x}", instance.as_raw()));
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn destroy_device(device: vk::Device, _: *const vk::AllocationCallbacks<'_>) {
     called(format!("vkDestroyDevice {:x}", device.as_raw()));
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn physical_device_properties(
     _: vk::PhysicalDevice,
     properties: *mut vk::PhysicalDeviceProperties,
@@ -168,6 +183,10 @@ unsafe extern "system" fn physical_device_properties(
 }
 
 /// The stand-in's function for `vkCmdSetDepthBounds`, which this layer does not hook.
+///
+/// # Safety
+///
+/// As the call.
 pub unsafe extern "system" fn set_depth_bounds() {}
 
 fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
@@ -207,6 +226,9 @@ fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
     is_there.then_some(set_depth_bounds)
 }
 
+/// # Safety
+///
+/// As the call.
 pub unsafe extern "system" fn get_instance_proc_addr(
     _: vk::Instance,
     name: *const c_char,
@@ -217,6 +239,9 @@ pub unsafe extern "system" fn get_instance_proc_addr(
     function(name)
 }
 
+/// # Safety
+///
+/// As the call.
 pub unsafe extern "system" fn get_device_proc_addr(
     _: vk::Device,
     name: *const c_char,
@@ -225,6 +250,9 @@ pub unsafe extern "system" fn get_device_proc_addr(
     function(unsafe { CStr::from_ptr(name) })
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn set_device_loader_data(_: vk::Device, _: *mut c_void) -> vk::Result {
     vk::Result::SUCCESS
 }

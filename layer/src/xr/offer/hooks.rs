@@ -220,6 +220,10 @@ pub unsafe fn note_event(event: &xr::EventDataBuffer) {
 }
 
 /// `xrDestroyActionSet`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy_action_set(set: xr::ActionSet) -> xr::Result {
     let Some(known) = any_offering() else { return xr::Result::ERROR_HANDLE_INVALID };
     let Some(offer) = &known.offer else { return xr::Result::ERROR_HANDLE_INVALID };
@@ -232,6 +236,10 @@ pub unsafe extern "system" fn destroy_action_set(set: xr::ActionSet) -> xr::Resu
 }
 
 /// `xrDestroyAction`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy_action(action: xr::Action) -> xr::Result {
     let Some(known) = any_offering() else { return xr::Result::ERROR_HANDLE_INVALID };
     let Some(offer) = &known.offer else { return xr::Result::ERROR_HANDLE_INVALID };
@@ -271,6 +279,10 @@ impl Offer {
 }
 
 /// `xrGetActionStatePose`: active where the gaze drives the action.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn get_action_state_pose(
     handle: xr::Session,
     info: *const xr::ActionStateGetInfo,

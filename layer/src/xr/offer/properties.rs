@@ -7,6 +7,10 @@ use openxr_sys as xr;
 
 /// `xrGetSystemProperties`: the system has eye gaze where the user offers it; an application without the extension, which is on because of us,
 /// is told nothing about it.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn get_system_properties(
     handle: xr::Instance,
     system: xr::SystemId,

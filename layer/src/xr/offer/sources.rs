@@ -14,6 +14,10 @@ const NAME: &CStr = c"Eye gaze";
 const ALL_COMPONENTS: u64 = 7;
 
 /// `xrEnumerateBoundSourcesForAction`: with the gaze.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn enumerate_bound_sources(
     handle: xr::Session,
     info: *const xr::BoundSourcesForActionEnumerateInfo,
@@ -63,6 +67,10 @@ pub unsafe extern "system" fn enumerate_bound_sources(
 }
 
 /// `xrGetInputSourceLocalizedName`: also of the gaze, where the runtime does not know it.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn get_localized_name(
     handle: xr::Session,
     info: *const xr::InputSourceLocalizedNameGetInfo,

@@ -46,6 +46,10 @@ pub fn forget_all_of(session: xr::Session) {
 }
 
 /// `xrCreateActionSpace`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_action_space(
     handle: xr::Session,
     info: *const xr::ActionSpaceCreateInfo,
@@ -192,6 +196,10 @@ fn turned(
 }
 
 /// `xrLocateSpace`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn locate(
     space: xr::Space,
     base: xr::Space,
@@ -242,6 +250,10 @@ const NOWHERE: (xr::SpaceLocationFlags, xr::Posef, i64) =
     (xr::SpaceLocationFlags::EMPTY, xr::Posef::IDENTITY, 0);
 
 /// `xrLocateSpaces`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn locate_many(
     handle: xr::Session,
     info: *const xr::SpacesLocateInfo,

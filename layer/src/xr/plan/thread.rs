@@ -142,6 +142,10 @@ impl Drop for PlanThread {
 }
 
 /// Finishes the plan of a session: [`AwaitedPlan::finish`].
+///
+/// # Safety
+///
+/// The context is that of the announced [`AwaitedPlan`], which is not withdrawn yet.
 unsafe extern "C" fn finish(context: *const c_void) {
     guard(
         "the plan that a submit awaits",

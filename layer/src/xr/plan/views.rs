@@ -17,6 +17,10 @@ use std::ptr;
 use std::sync::Arc;
 
 /// `xrLocateViews`: the views that the application will draw, and with them the newest gaze.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn locate_views(
     handle: xr::Session,
     info: *const xr::ViewLocateInfo,

@@ -28,6 +28,9 @@ pub unsafe fn on(device: &VulkanDevice) -> Result<Arc<Shared>, GpuError> {
     Ok(if device.when_it_ends(ended) { SHARED.get_or_insert(handle, new) } else { new })
 }
 
+/// # Safety
+///
+/// The device is live ([`DeviceEnds`](crate::link::DeviceEnds)).
 unsafe extern "C" fn ended(device: vk::Device) {
     guard(
         "the destruction of a device",

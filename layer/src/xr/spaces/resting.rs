@@ -21,6 +21,10 @@ pub fn forget_all_of(session: xr::Session) {
 }
 
 /// `xrCreateReferenceSpace`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create_reference(
     handle: xr::Session,
     info: *const xr::ReferenceSpaceCreateInfo,
@@ -51,6 +55,10 @@ pub unsafe extern "system" fn create_reference(
 }
 
 /// `xrDestroySpace`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn destroy(space: xr::Space) -> xr::Result {
     let known = RESTING.get(space).and_then(|of| session::find(*of));
     let Some(next) = known.map(|known| known.instance.next).or_else(next_of_any) else {

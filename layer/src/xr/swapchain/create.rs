@@ -20,6 +20,10 @@ use std::sync::Arc;
 /// `xrCreateSwapchain`: for a virtual one, for one whose pictures may have to be filled, and for one with depth that may be copied,
 /// the runtime is asked for more usage. If it refuses, the call is made as the application made it, so that the runtime's own result is what the
 /// application gets.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn create(
     session: xr::Session,
     info: *const xr::SwapchainCreateInfo,

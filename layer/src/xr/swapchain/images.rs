@@ -15,6 +15,10 @@ fn substitute_of(known: &Option<Arc<Swapchain>>) -> Option<&Substitute> {
 }
 
 /// `xrEnumerateSwapchainImages`: of a virtual swapchain, our images.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn enumerate_images(
     handle: xr::Swapchain,
     capacity: u32,
@@ -109,6 +113,10 @@ unsafe fn runtimes(
 }
 
 /// `xrAcquireSwapchainImage`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn acquire_image(
     handle: xr::Swapchain,
     info: *const xr::SwapchainImageAcquireInfo,
@@ -142,6 +150,10 @@ pub unsafe extern "system" fn acquire_image(
 }
 
 /// `xrWaitSwapchainImage`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn wait_image(
     handle: xr::Swapchain,
     info: *const xr::SwapchainImageWaitInfo,
@@ -178,6 +190,10 @@ pub unsafe extern "system" fn wait_image(
 }
 
 /// `xrReleaseSwapchainImage`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
 pub unsafe extern "system" fn release_image(
     handle: xr::Swapchain,
     info: *const xr::SwapchainImageReleaseInfo,

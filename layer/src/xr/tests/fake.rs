@@ -29,6 +29,9 @@ pub fn new_handle() -> u64 {
     HANDLES.fetch_add(1, Ordering::Relaxed)
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_instance(
     info: *const xr::InstanceCreateInfo,
     _list: *const xr::ApiLayerCreateInfo,
@@ -51,6 +54,9 @@ unsafe extern "system" fn create_instance(
     result
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn enumerate_extensions(
     _: *const c_char,
     capacity: u32,
@@ -70,6 +76,9 @@ unsafe extern "system" fn enumerate_extensions(
     })
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_session(
     _: xr::Instance,
     _: *const xr::SessionCreateInfo,
@@ -80,10 +89,16 @@ unsafe extern "system" fn create_session(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn destroy_instance(_: xr::Instance) -> xr::Result {
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn attach(_: xr::Session, info: *const xr::SessionActionSetsAttachInfo) -> xr::Result {
     // SAFETY: the layer passes a valid structure.
     let sets = unsafe { std::slice::from_raw_parts((*info).action_sets, (*info).count_action_sets as usize) };
@@ -91,13 +106,23 @@ unsafe extern "system" fn attach(_: xr::Session, info: *const xr::SessionActionS
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn end_frame(_: xr::Session, _: *const xr::FrameEndInfo) -> xr::Result {
     xr::Result::ERROR_HANDLE_INVALID
 }
 
 /// Stands for every function that the tests never call.
+///
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn never_called() {}
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn get_instance_proc_addr(
     _: xr::Instance,
     name: *const c_char,

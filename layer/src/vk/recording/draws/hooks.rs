@@ -9,6 +9,10 @@ use ash::vk;
 macro_rules! draws {
     ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), counts $counts:expr;)*) => {$(
         #[doc = concat!("`", $call, "`.")]
+        ///
+        /// # Safety
+        ///
+        /// The valid usage of the call.
         #[allow(clippy::too_many_arguments, reason = "those of the call")]
         pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
             let counts = $counts;

@@ -36,6 +36,10 @@ pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
 }
 
 /// Writes handles: all but the last where the answer is no success.
+///
+/// # Safety
+///
+/// There is room for so many handles.
 unsafe fn create<H: Handle>(is_amended: bool, count: u32, made: *mut H) -> vk::Result {
     let [amended, plain] = ANSWERS.get();
     let answer = if is_amended { amended } else { plain };
@@ -55,6 +59,9 @@ fn destroy<H: Handle>(handle: H) {
     SEEN.with_borrow_mut(|seen| seen.push(format!("destroy {}", handle.as_raw())));
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_pipelines(
     _: vk::Device,
     _: vk::PipelineCache,
@@ -68,6 +75,9 @@ unsafe extern "system" fn create_pipelines(
     unsafe { create((*infos).flags.contains(flag), count, made) }
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn destroy_pipeline(
     _: vk::Device,
     pipeline: vk::Pipeline,
@@ -76,6 +86,9 @@ unsafe extern "system" fn destroy_pipeline(
     destroy(pipeline);
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_shaders(
     _: vk::Device,
     count: u32,
@@ -91,6 +104,9 @@ unsafe extern "system" fn create_shaders(
 /// The identifier of every module of the stand-in's.
 pub const IDENTIFIER: &[u8] = b"of the stand-in";
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn identify(
     _: vk::Device,
     _: *const vk::ShaderModuleCreateInfo<'_>,
@@ -102,6 +118,9 @@ unsafe extern "system" fn identify(
     identifier.identifier[..IDENTIFIER.len()].copy_from_slice(IDENTIFIER);
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn destroy_shader(
     _: vk::Device,
     shader: vk::ShaderEXT,

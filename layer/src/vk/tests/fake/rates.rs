@@ -58,6 +58,9 @@ fn extensions() -> Vec<&'static CStr> {
     OTHERS.into_iter().chain(own.into_iter().filter(|_| OFFERED.get())).collect()
 }
 
+/// # Safety
+///
+/// There are so many valid names.
 unsafe fn note_names(first: *const *const c_char, count: u32) -> Result<(), vk::Result> {
     let mut names = Vec::new();
     for index in 0..count as usize {
@@ -70,11 +73,17 @@ unsafe fn note_names(first: *const *const c_char, count: u32) -> Result<(), vk::
     if refused { Err(vk::Result::ERROR_EXTENSION_NOT_PRESENT) } else { Ok(()) }
 }
 
+/// # Safety
+///
+/// The structure is valid.
 pub unsafe fn instance_created(info: &vk::InstanceCreateInfo<'_>) -> Result<(), vk::Result> {
     // SAFETY: the caller's valid structure.
     unsafe { note_names(info.pp_enabled_extension_names, info.enabled_extension_count) }
 }
 
+/// # Safety
+///
+/// The structure and its chain are valid.
 pub unsafe fn device_created(info: &vk::DeviceCreateInfo<'_>) -> Result<(), vk::Result> {
     type Features<'a> = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR<'a>;
     let own = Features::STRUCTURE_TYPE.as_raw();
@@ -94,6 +103,9 @@ pub unsafe fn device_created(info: &vk::DeviceCreateInfo<'_>) -> Result<(), vk::
     }
 }
 
+/// # Safety
+///
+/// As the call.
 pub unsafe extern "system" fn enumerate_device_extensions(
     _: vk::PhysicalDevice,
     _: *const c_char,
@@ -117,6 +129,9 @@ pub unsafe extern "system" fn enumerate_device_extensions(
     vk::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 pub unsafe extern "system" fn features2(
     _: vk::PhysicalDevice,
     features: *mut vk::PhysicalDeviceFeatures2<'_>,
@@ -129,6 +144,9 @@ pub unsafe extern "system" fn features2(
     }
 }
 
+/// # Safety
+///
+/// As the call.
 pub unsafe extern "system" fn properties2(
     _: vk::PhysicalDevice,
     properties: *mut vk::PhysicalDeviceProperties2<'_>,
@@ -150,6 +168,9 @@ pub unsafe extern "system" fn properties2(
     }
 }
 
+/// # Safety
+///
+/// As the call.
 pub unsafe extern "system" fn memory_properties(
     _: vk::PhysicalDevice,
     properties: *mut vk::PhysicalDeviceMemoryProperties,
@@ -158,6 +179,9 @@ pub unsafe extern "system" fn memory_properties(
     unsafe { *properties = vk::PhysicalDeviceMemoryProperties::default() };
 }
 
+/// # Safety
+///
+/// As the call.
 pub unsafe extern "system" fn shading_rates(
     _: vk::PhysicalDevice,
     count: *mut u32,

@@ -76,6 +76,9 @@ fn note(call: &'static str) {
     ACTIONS.with_borrow_mut(|calls| calls.push(call));
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn get_system_properties(
     _: xr::Instance,
     _: xr::SystemId,
@@ -89,6 +92,9 @@ unsafe extern "system" fn get_system_properties(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn string_to_path(
     _: xr::Instance,
     _: *const std::ffi::c_char,
@@ -99,6 +105,9 @@ unsafe extern "system" fn string_to_path(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn path_to_string(
     _: xr::Instance,
     _: xr::Path,
@@ -109,6 +118,9 @@ unsafe extern "system" fn path_to_string(
     xr::Result::ERROR_PATH_INVALID
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn get_current_profile(
     _: xr::Session,
     _: xr::Path,
@@ -119,6 +131,9 @@ unsafe extern "system" fn get_current_profile(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn wait_frame(
     _: xr::Session,
     _: *const xr::FrameWaitInfo,
@@ -129,10 +144,16 @@ unsafe extern "system" fn wait_frame(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn begin_frame(_: xr::Session, _: *const xr::FrameBeginInfo) -> xr::Result {
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn locate_views(
     _: xr::Session,
     info: *const xr::ViewLocateInfo,
@@ -167,6 +188,9 @@ pub fn pose(orientation: Quat) -> xr::Posef {
     xr::Posef { orientation: xr::Quaternionf { x, y, z, w }, ..xr::Posef::IDENTITY }
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn locate_space(
     space: xr::Space,
     base: xr::Space,
@@ -208,6 +232,9 @@ unsafe extern "system" fn locate_space(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_reference_space(
     _: xr::Session,
     info: *const xr::ReferenceSpaceCreateInfo,
@@ -224,10 +251,16 @@ unsafe extern "system" fn create_reference_space(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn destroy_space(_: xr::Space) -> xr::Result {
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_action_space(
     _: xr::Session,
     _: *const xr::ActionSpaceCreateInfo,
@@ -240,6 +273,9 @@ unsafe extern "system" fn create_action_space(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_action_set(
     _: xr::Instance,
     _: *const xr::ActionSetCreateInfo,
@@ -251,6 +287,9 @@ unsafe extern "system" fn create_action_set(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_action(
     _: xr::ActionSet,
     _: *const xr::ActionCreateInfo,
@@ -262,6 +301,9 @@ unsafe extern "system" fn create_action(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn suggest(
     _: xr::Instance,
     _: *const xr::InteractionProfileSuggestedBinding,
@@ -270,11 +312,17 @@ unsafe extern "system" fn suggest(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn sync_actions(_: xr::Session, _: *const xr::ActionsSyncInfo) -> xr::Result {
     note("xrSyncActions");
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn create_swapchain(
     _: xr::Session,
     _: *const xr::SwapchainCreateInfo,
@@ -285,10 +333,16 @@ unsafe extern "system" fn create_swapchain(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn destroy_swapchain(_: xr::Swapchain) -> xr::Result {
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn enumerate_images(
     _: xr::Swapchain,
     capacity: u32,
@@ -310,6 +364,9 @@ thread_local! {
     static TURN: Cell<u32> = const { Cell::new(0) };
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn acquire_image(
     _: xr::Swapchain,
     _: *const xr::SwapchainImageAcquireInfo,
@@ -320,6 +377,9 @@ unsafe extern "system" fn acquire_image(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn release_image(
     _: xr::Swapchain,
     _: *const xr::SwapchainImageReleaseInfo,
@@ -327,6 +387,9 @@ unsafe extern "system" fn release_image(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn destroy_session(_: xr::Session) -> xr::Result {
     xr::Result::SUCCESS
 }

@@ -112,45 +112,75 @@ pub fn record() -> DeviceRecord {
     }
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn no_instance_function(_: vk::Instance, _: *const c_char) -> vk::PFN_vkVoidFunction {
     None
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn no_device_function(_: vk::Device, _: *const c_char) -> vk::PFN_vkVoidFunction {
     None
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "system" fn set_device_loader_data(_: vk::Device, _: *mut c_void) -> vk::Result {
     vk::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn device(_: vk::Device, _: *mut DeviceRecord) -> u32 {
     0
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn set_active(_: vk::Device, active: u32) {
     tell(Told::Active(active == 1));
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn runtime_section(_: u32) {
     note("runtime_section");
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn copy_rates(_: vk::Device, _: *const RatesCopyRecord) -> u32 {
     note("copy_rates");
     0
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn layout(_: vk::Device, _: vk::Image) -> vk::ImageLayout {
     note("layout");
     vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn is_used_beside(_: vk::Device, _: vk::Image, _: *const [u32; 2]) -> u32 {
     note("is_used_beside");
     0
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
     note("decision");
     let Some((topic, line, reason)) =
@@ -165,10 +195,16 @@ unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
     1
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {
     0
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn capabilities(_: vk::Device, record: *mut CapabilitiesRecord) -> u32 {
     note("capabilities");
     let mut rates = [0; 16];
@@ -187,6 +223,9 @@ unsafe extern "C" fn capabilities(_: vk::Device, record: *mut CapabilitiesRecord
     1
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn swapchain(_: vk::Device, record: *const SwapchainRecord) {
     // SAFETY: the other half passes a valid record.
     unsafe {
@@ -197,6 +236,10 @@ unsafe extern "C" fn swapchain(_: vk::Device, record: *const SwapchainRecord) {
 }
 
 /// Plans are awaited at once, as by an application that submits straight after it has located its views.
+///
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
     // SAFETY: the other half passes valid records, or null.
     let (settings, plan, awaited) = unsafe {
@@ -224,10 +267,16 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
     }
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn picture(_: vk::Device, _: *const PictureRecord) {
     note("picture");
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn end_frame(
     _: vk::Device,
     submission: *const ShownRecord,
@@ -270,6 +319,9 @@ unsafe extern "C" fn end_frame(
     1
 }
 
+/// # Safety
+///
+/// As the call.
 unsafe extern "C" fn stale(_: vk::Device, eye: u32, record: *mut StaleRecord) -> u32 {
     note("stale");
     // SAFETY: the other half passes a record, and as many words as it says.
