@@ -22,6 +22,7 @@ pub fn conditions() -> Conditions {
         command: "cargo dev report --quick".to_owned(),
         timed: [2, 120, 30, 512],
         judged: [120, 30, 512],
+        fvvdp: None,
     }
 }
 
@@ -41,6 +42,7 @@ pub fn point(sweep: Sweep, technique: &str, ratio: f64, loss: f64, varied: f64) 
         chroma: Some(0.2),
         flip: None,
         in_flight: Vec::new(),
+        fvvdp: None,
     });
     let cost = Cost { median_ms: 40.0 * ratio, p99_ms: 50.0 * ratio, ratio, spread: 0.01, frames_ms };
     PointResults {
