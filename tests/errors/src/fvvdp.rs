@@ -84,7 +84,7 @@ pub struct Jod {
     pub differences: Differences,
 }
 
-/// What FovVideoVDP makes a JOD of: visible differences, pooled over the picture, of each frame.
+/// Visible differences of each frame, pooled over the picture: FovVideoVDP makes a JOD of their mean.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Differences {
     /// Difference of each frame, at least 0. It depends on earlier frames too, which FovVideoVDP filters over 250 ms.
@@ -206,7 +206,8 @@ fn job(reference: &Clip, test: &Clip, eye: usize, viewing: &Viewing) -> Option<J
     let tangents = first.fov.tangents();
     let plane = tangents.plane(extent);
     let gaze = |eye: &Eye| {
-        let pixel: Vec2 = (eye.gaze.truncate() / -eye.gaze.z - plane.origin) / plane.step;
+        // FovVideoVDP counts from the centre of the first pixel.
+        let pixel: Vec2 = (eye.gaze.truncate() / -eye.gaze.z - plane.origin) / plane.step - 0.5;
         (eye.gaze.z < 0.0 && pixel.is_finite()).then(|| pixel.to_array())
     };
     Some(Job {

@@ -180,8 +180,8 @@ fn how_to_read(conditions: &Conditions) -> Markup {
             @if let Some(version) = &conditions.fvvdp {
                 li {
                     "JOD: just-objectionable differences by FovVideoVDP " (version) " (Mantiuk et al. 2021), foveated, of the left eye at its true gaze, on an sRGB display of 100 cd/m², whose pixels "
-                    "are as many a degree as those of the eye buffer. 10 is no difference; of two images 1 JOD apart, 75 % of people prefer the better one. Frames of the saccade are not in it. FovVideoVDP remembers what was at a place of the image for 250 ms, "
-                    "so that after a saccade it still sees what was coarse there before."
+                    "are as many a degree as those of the eye buffer. 10 is no difference; of two images 1 JOD apart, 75 % of people prefer the better one. Frames of the saccade are not in it. FovVideoVDP filters each place of the image over 250 ms, "
+                    "so that after a saccade it still counts the coarse blocks from before."
                 }
             }
             li { "rates.gate is \"on\", so that no technique is dropped. By default, a technique that causes a slowdown is dropped." }

@@ -38,7 +38,7 @@ pub struct Plan {
     pub tracker: Tracker,
     /// Its device.
     pub driver: Driver,
-    /// Who judges by JOD too; nobody unless asked for.
+    /// The judge in JOD, if there is to be one.
     pub fvvdp: Option<Fvvdp>,
 }
 

@@ -47,7 +47,7 @@ pub struct Conditions {
     pub timed: [u64; 4],
     /// Parameters of the judged runs: run-up, frames and pixels of a side.
     pub judged: [u64; 3],
-    /// Version of FovVideoVDP that judged by JOD; `None`: nobody asked for it.
+    /// Version of FovVideoVDP that judged by JOD; `None`: that was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fvvdp: Option<String>,
 }
@@ -121,7 +121,7 @@ pub struct Errors {
     pub chroma: Option<f64>,
     /// ꟻLIP, which knows nothing of gaze, over the whole view.
     pub flip: Option<f64>,
-    /// Differences of each frame by foveated FovVideoVDP, for the left eye, of which JOD is made; nothing where nobody asked for it.
+    /// Differences of each frame by foveated FovVideoVDP, for the left eye, of which JOD is made; nothing where that was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fvvdp: Option<Differences>,
 }
@@ -231,7 +231,7 @@ impl PointResults {
         self.errors.as_ref().and_then(|errors| errors.mean_of(&errors.detected, true))
     }
 
-    /// JOD by FovVideoVDP of the frames in which the eyes do not jump: 10 is no difference. None where nobody asked for it, and for the application alone.
+    /// JOD by FovVideoVDP of the frames in which the eyes do not jump: 10 is no difference. None where that was not asked for, and for the application alone.
     pub fn jod(&self) -> Option<f64> {
         let errors = self.errors.as_ref()?;
         let frames = (0..errors.loss.len()).filter(|frame| !errors.is_in_flight(*frame));

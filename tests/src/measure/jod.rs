@@ -9,7 +9,7 @@ use parafovea_errors::{Clip, Frame, Picture};
 /// JOD of `test` beside `reference`, both [`with_pictures`](super::with_pictures), for one eye (0 left, 1 right) that looks where it truly does.
 ///
 /// # Errors
-/// [`HarnessError::File`] where a picture is not there, [`HarnessError::Application`] where FovVideoVDP fails.
+/// [`HarnessError::File`] where a picture is missing, [`HarnessError::Application`] where FovVideoVDP fails.
 pub fn jod(fvvdp: &Fvvdp, reference: JudgedRun, test: JudgedRun, eye: usize) -> Result<Jod, HarnessError> {
     found(fvvdp, test, [&clip(reference, eye)?, &clip(test, eye)?], eye)
 }

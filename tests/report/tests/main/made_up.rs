@@ -1,6 +1,7 @@
 //! Results that nobody measured.
 
 use parafovea_errors::RINGS;
+use parafovea_errors::fvvdp::Differences;
 use parafovea_report::points::Sweep;
 use parafovea_report::results::{
     Bits, Conditions, Cost, Errors, HardCase, PointResults, Results, SceneResults,
@@ -100,4 +101,17 @@ pub fn results() -> Results {
         fine: None,
         hard_cases: vec![case],
     }
+}
+
+/// The same, where FovVideoVDP takes off as many JOD as contrast is lost in JND.
+pub fn results_with_jod() -> Results {
+    let mut results = results();
+    results.conditions.fvvdp = Some("1.2.2".to_owned());
+    for errors in
+        results.scenes.iter_mut().flat_map(|scene| &mut scene.points).filter_map(|p| p.errors.as_mut())
+    {
+        let by_frame = errors.loss.iter().map(|loss| loss * loss).collect();
+        errors.fvvdp = Some(Differences { by_frame, exponent: 0.5 });
+    }
+    results
 }
