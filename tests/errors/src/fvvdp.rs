@@ -21,7 +21,7 @@ pub const VERSION: &str = "1.2.2";
 
 /// Its description in `--help`.
 pub const NOTICE: &str = "FovVideoVDP (pyfvvdp 1.2.2, CC BY-NC 4.0: not for commercial use) in a Python environment of its \
-                          own; takes 6 GB and some minutes the first time, then about 0.15 s for a frame of 512 x 512";
+                          own; takes 6 GB and some minutes the first time, then about 0.2 s for a frame of 512 x 512";
 
 const SCRIPT: &str = include_str!("fvvdp.py");
 

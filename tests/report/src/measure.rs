@@ -138,7 +138,7 @@ fn glances(plan: &Plan, subject: &Subject) -> Result<SceneResults, HarnessError>
     hardware::measure(plan, (subject, &scenario, effort), &reference, &scaled)
 }
 
-/// The eye whose pictures are judged by JOD: the other's are much the same, and each takes as long as all other judgements together.
+/// The eye whose pictures are judged by JOD: the other's are much the same, and each takes twice as long as all other judgements together.
 const EYE_OF_JOD: usize = 0;
 
 /// How wrong the pictures of `test` are.

@@ -96,9 +96,9 @@ impl Plan {
         self.points.iter().filter(|point| point.sweep == Sweep::RenderScale).count()
     }
 
-    /// The work of judging the pictures of a point: a JOD takes about as long as all else together.
+    /// The work of judging the pictures of a point: a JOD takes twice as long as all else together.
     pub fn judging(&self) -> u64 {
-        judging(self.judged) * if self.fvvdp.is_some() { 2 } else { 1 }
+        judging(self.judged) * if self.fvvdp.is_some() { 3 } else { 1 }
     }
 
     /// The work of judging the look of hardware rates by one more gaze script.
