@@ -5,6 +5,7 @@
 //! makes [`Timing`]s of them, [`errors()`] judges the pictures, [`rows()`] and [`Summary`] print both.
 
 mod errors;
+mod jod;
 mod rows;
 mod statistics;
 mod subject;
@@ -14,6 +15,7 @@ mod timing;
 mod turns;
 
 pub use errors::{Judged, JudgedRun, RUN_UP, errors, fov, judge, judge_runs, judge_shaded, with_pictures};
+pub use jod::{jod, jod_shaded};
 pub use rows::{Comparison, Row, against_rows, error_rows, print_json, rows};
 pub use statistics::{Ratio, Samples};
 pub use subject::Subject;

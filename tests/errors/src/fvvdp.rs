@@ -3,7 +3,8 @@
 //! Mantiuk et al., "FovVideoVDP: A visible difference predictor for wide field-of-view video", ACM Transactions on Graphics
 //! 40(4), 2021; [`PACKAGE`] on PyPI. 10 is no difference, and one less is what 75 % of people prefer the better one
 //! against. Its licence is CC BY-NC 4.0: **not for commercial use**. It is neither part of this repository nor needed for
-//! anything else here: [`Fvvdp::install`] makes a Python environment of its own, which takes 6 GB (PyTorch).
+//! anything else here: [`Fvvdp::install`] makes a Python environment of its own, which takes 6 GB (PyTorch), and
+//! [`Fvvdp::of`] takes one that is there.
 
 use crate::clip::{Clip, Eye, Viewing};
 use glam::Vec2;
@@ -15,11 +16,18 @@ use std::process::Command;
 /// The installed program.
 pub const PACKAGE: &str = "pyfvvdp==1.2.2";
 
+/// Its version: figures of different versions cannot be compared.
+pub const VERSION: &str = "1.2.2";
+
 /// Its description in `--help`.
 pub const NOTICE: &str = "FovVideoVDP (pyfvvdp 1.2.2, CC BY-NC 4.0: not for commercial use) in a Python environment of its \
-                          own; takes 6 GB and some minutes the first time, then about 0.15 s for a frame of 512 x 512";
+                          own; takes 6 GB and some minutes the first time, then about 0.2 s for a frame of 512 x 512";
 
 const SCRIPT: &str = include_str!("fvvdp.py");
+
+/// Imports all that the script does, and prints the package's version.
+const ASK: &str =
+    "import numpy, torch, pyfvvdp; from importlib.metadata import version; print(version('pyfvvdp'))";
 
 /// Why there is no JOD.
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +48,14 @@ pub enum FvvdpError {
         what: String,
         /// End of the program's output.
         message: String,
+    },
+    /// A Python interpreter that cannot be used.
+    #[error("{}: {reason}", python.display())]
+    Python {
+        /// The interpreter.
+        python: PathBuf,
+        /// Its deficiency.
+        reason: String,
     },
     /// Clips that cannot be compared: no frames, not the same number or size, the eye absent, or a gaze that the picture's
     /// plane does not show.
@@ -63,6 +79,31 @@ pub struct Jod {
     pub jod: f64,
     /// Version of the package.
     pub version: String,
+    /// The same frame by frame.
+    #[serde(flatten)]
+    pub differences: Differences,
+}
+
+/// Visible differences of each frame, pooled over the picture: FovVideoVDP makes a JOD of their mean.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub struct Differences {
+    /// Difference of each frame, at least 0. It depends on earlier frames too, which FovVideoVDP filters over 250 ms.
+    pub by_frame: Vec<f64>,
+    /// The lost JOD of some frames are the mean of their differences to this power.
+    pub exponent: f64,
+}
+
+impl Differences {
+    /// How far below 10 FovVideoVDP puts these frames: its pooling over time, by the mean. None if there are none of them, or one of them is not
+    /// there.
+    pub fn lost_jod(&self, frames: impl IntoIterator<Item = usize>) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0u32);
+        for frame in frames {
+            sum += self.by_frame.get(frame)?;
+            count += 1;
+        }
+        (count > 0).then(|| (sum / f64::from(count)).powf(self.exponent))
+    }
 }
 
 /// Input of `fvvdp.py`.
@@ -88,8 +129,8 @@ impl Fvvdp {
     /// [`FvvdpError::Io`] and [`FvvdpError::Failed`].
     pub fn install(folder: &Path) -> Result<Self, FvvdpError> {
         let fvvdp = Self { python: folder.join("bin").join("python") };
-        if fvvdp.is_complete() {
-            return Ok(fvvdp);
+        if let Ok(complete) = Self::of(&fvvdp.python) {
+            return Ok(complete);
         }
         let folder = folder.as_os_str();
         run(Command::new("python3").args(["-m", "venv"]).arg(folder), "making a Python environment")?;
@@ -97,11 +138,23 @@ impl Fvvdp {
         Ok(fvvdp)
     }
 
-    fn is_complete(&self) -> bool {
-        let ask = format!(
-            "import importlib.metadata as m; assert 'pyfvvdp==' + m.version('pyfvvdp') == '{PACKAGE}'"
-        );
-        Command::new(&self.python).args(["-c", &ask]).output().is_ok_and(|output| output.status.success())
+    /// The environment of a Python interpreter that is there. Nothing is installed.
+    ///
+    /// # Errors
+    /// [`FvvdpError::Python`]: it cannot be started, cannot import pyfvvdp or one of the packages that it needs, or has another version.
+    pub fn of(python: &Path) -> Result<Self, FvvdpError> {
+        let failed = |reason| FvvdpError::Python { python: python.to_owned(), reason };
+        let output = Command::new(python).args(["-c", ASK]).output();
+        let output = output.map_err(|error| failed(format!("cannot be started: {error}")))?;
+        if !output.status.success() {
+            let said = String::from_utf8_lossy(&output.stderr);
+            let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no reason given");
+            return Err(failed(format!("cannot import pyfvvdp: {last}")));
+        }
+        match String::from_utf8_lossy(&output.stdout).trim() {
+            VERSION => Ok(Self { python: python.to_owned() }),
+            other => Err(failed(format!("pyfvvdp {VERSION} is needed, and this is `{other}`"))),
+        }
     }
 
     /// JOD of one eye (0 left, 1 right) of a clip, at the reference's gaze in each frame.
@@ -153,7 +206,8 @@ fn job(reference: &Clip, test: &Clip, eye: usize, viewing: &Viewing) -> Option<J
     let tangents = first.fov.tangents();
     let plane = tangents.plane(extent);
     let gaze = |eye: &Eye| {
-        let pixel: Vec2 = (eye.gaze.truncate() / -eye.gaze.z - plane.origin) / plane.step;
+        // FovVideoVDP counts from the centre of the first pixel.
+        let pixel: Vec2 = (eye.gaze.truncate() / -eye.gaze.z - plane.origin) / plane.step - 0.5;
         (eye.gaze.z < 0.0 && pixel.is_finite()).then(|| pixel.to_array())
     };
     Some(Job {

@@ -1,6 +1,7 @@
 //! `cargo dev report [--quick | --all] [--json] [...]`: see `--help`.
 
 use clap::Parser;
+use parafovea_errors::fvvdp::Fvvdp;
 use parafovea_report::hardware::hardware_points;
 use parafovea_report::pictures::Pictures;
 use parafovea_report::plan::Plan;
@@ -53,6 +54,10 @@ struct Arguments {
     /// Side of the timed pictures, pixels; those that are judged are at most as large.
     #[arg(long, value_parser = clap::value_parser!(u32).range(64..8192))]
     size: Option<u32>,
+    /// Judges by JOD too, with this Python interpreter, which has pyfvvdp 1.2.2 (see tests/report/README.md). Its licence is CC BY-NC 4.0:
+    /// not for commercial use.
+    #[arg(long, value_name = "PYTHON", conflicts_with = "from")]
+    jod: Option<PathBuf>,
     /// Only maps, by the look of hardware rates, beside render scales: nothing is timed.
     #[arg(long, conflicts_with = "system_driver")]
     maps: bool,
@@ -120,7 +125,7 @@ fn measured(arguments: &Arguments, pictures: &mut Pictures) -> Result<Results, S
     });
     let (results, seconds) = measure(&plan, &command, pictures).map_err(|error| error.to_string())?;
     eprintln!("{:.1} minutes", seconds / 60.0);
-    let full = Plan::full();
+    let full = Plan { fvvdp: plan.fvvdp.clone(), ..Plan::full() };
     if plan.work() < full.work() {
         let minutes = seconds / 60.0 * full.work() as f64 / plan.work() as f64;
         eprintln!(
@@ -189,6 +194,8 @@ fn plan(arguments: &Arguments) -> Result<Plan, String> {
     if arguments.system_driver {
         plan.driver = Driver::System;
     }
+    let fvvdp = arguments.jod.as_deref().map(Fvvdp::of).transpose();
+    plan.fvvdp = fvvdp.map_err(|error| format!("--jod {error}"))?;
     Ok(plan)
 }
 

@@ -9,13 +9,14 @@ use crate::pictures::Pictures;
 use crate::plan::{Plan, judging, rendering};
 use crate::points::{Point, Sweep};
 use crate::results::{Cost, Errors, Fine, HardCase, PointResults, Results, SceneResults, mean};
+use parafovea_errors::fvvdp::Differences;
 use parafovea_errors::{Metric, RINGS, Report};
 use parafovea_models::hard_cases;
 use parafovea_scene::scene::SceneName;
 use parafovea_tests::HarnessError;
 use parafovea_tests::device::Machine;
 use parafovea_tests::measure::{
-    Counts, Effort, Subject, Technique, Timing, judge, take_turns, with_pictures,
+    Counts, Effort, JudgedRun, Subject, Technique, Timing, jod, judge, judge_runs, take_turns, with_pictures,
 };
 use parafovea_tests::progress::Progress;
 use parafovea_tests::run::Outcome;
@@ -83,14 +84,15 @@ fn measure_scene(
         }
         let Some(reference) = &reference else { continue };
         let judged = at_once(&shown, |(point, _, shown)| {
-            let report = judge(&subject, &scenario, reference, shown)?;
+            let run = |outcome| JudgedRun { subject: &subject, scenario: &scenario, outcome };
+            let errors = judged(plan, effort, run(reference), run(shown))?;
             let is_chroma = point.sweep == Sweep::Chroma;
             let name = &point.technique.name;
             let bits = is_chroma.then(|| bits::measure(name, reference, shown, &scenario)).transpose()?;
-            Ok((errors(&report, &flights(&subject, effort)), bits))
+            Ok((errors, bits))
         })?;
         for ((point, counts, _), (errors, bits_of)) in shown.iter().zip(judged) {
-            progress.add(judging(effort));
+            progress.add(plan.judging());
             timings.push(Timing::new(&point.technique, *counts));
             points.push(point_results(point, *counts, Some(errors)));
             bits.extend(bits_of.into_iter().flatten());
@@ -99,9 +101,8 @@ fn measure_scene(
     let hardware = match &reference {
         Some(reference) if !plan.hardware.is_empty() => {
             progress.next(&format!("{}: by the look of hardware rates", subject.name()));
-            let mut found =
-                hardware::measure(&plan.hardware, (&subject, &scenario, effort), reference, &points)?;
-            progress.add(plan.hardware.len() as u64 * judging(effort));
+            let mut found = hardware::measure(plan, (&subject, &scenario, effort), reference, &points)?;
+            progress.add(plan.hardware.len() as u64 * plan.judging());
             for script in 1..plan.scripts {
                 let subject = Subject::glancing(scene, plan.tracker, script, jump).on(machine);
                 progress.next(&format!("{}: by the look of hardware rates, gaze {script}", subject.name()));
@@ -126,15 +127,31 @@ fn glances(plan: &Plan, subject: &Subject) -> Result<SceneResults, HarnessError>
     let effort = plan.judged;
     let scenario = with_pictures(subject.scenario(effort), effort);
     let reference = show(subject, &Technique::off(), effort, &scenario, |run| run)?;
-    let flights = flights(subject, effort);
     let scales = plan.points.iter().filter(|point| point.sweep == Sweep::RenderScale);
     let scaled = scales.map(|point| {
         let shown = show(subject, &point.technique, effort, &scenario, |run| run.counted())?;
-        let report = judge(subject, &scenario, &reference, &shown)?;
-        Ok(point_results(point, Counts::of(&shown, effort)?, Some(errors(&report, &flights))))
+        let run = |outcome| JudgedRun { subject, scenario: &scenario, outcome };
+        let errors = judged(plan, effort, run(&reference), run(&shown))?;
+        Ok(point_results(point, Counts::of(&shown, effort)?, Some(errors)))
     });
     let scaled = scaled.collect::<Result<Vec<_>, HarnessError>>()?;
-    hardware::measure(&plan.hardware, (subject, &scenario, effort), &reference, &scaled)
+    hardware::measure(plan, (subject, &scenario, effort), &reference, &scaled)
+}
+
+/// The eye whose pictures are judged by JOD: the other's are much the same, and each takes twice as long as all other judgements together.
+const EYE_OF_JOD: usize = 0;
+
+/// How wrong the pictures of `test` are.
+fn judged(
+    plan: &Plan,
+    effort: Effort,
+    reference: JudgedRun,
+    test: JudgedRun,
+) -> Result<Errors, HarnessError> {
+    let report = judge_runs(reference, test)?;
+    let jod = plan.fvvdp.as_ref().map(|fvvdp| jod(fvvdp, reference, test, EYE_OF_JOD)).transpose()?;
+    let fvvdp = jod.map(|jod| jod.differences);
+    Ok(errors(&report, &flights(test.subject, effort), fvvdp))
 }
 
 /// In which of the judged frames the eyes jump.
@@ -232,7 +249,7 @@ fn measure_finely(
         for ((name, _), report) in others.iter().zip(reports) {
             progress.add(judging(effort));
             pixels_per_degree = report.eyes[0].as_ref().map_or(0.0, |eye| eye.pixels_per_degree);
-            points.push(((*name).clone(), errors(&report, &flights(&subject, effort))));
+            points.push(((*name).clone(), errors(&report, &flights(&subject, effort), None)));
         }
     }
     let judged = [effort.run_up, effort.frames, u64::from(effort.size)];
@@ -250,7 +267,7 @@ fn at_once<T: Sync, R: Send>(
     })
 }
 
-fn errors(report: &Report, in_flight: &[bool]) -> Errors {
+fn errors(report: &Report, in_flight: &[bool], fvvdp: Option<Differences>) -> Errors {
     let rings = |metric| std::array::from_fn(|ring| report.row(metric, ring).mean);
     let whole = |metric| mean(report.by_frame(metric).iter().copied().flatten());
     // Rings of a root mean square are put together by their power.
@@ -269,6 +286,7 @@ fn errors(report: &Report, in_flight: &[bool]) -> Errors {
         flicker: (pixels > 0).then(|| (power / pixels as f64).sqrt()),
         chroma: Some(chroma[0].max(chroma[1])),
         flip: whole(Metric::Flip),
+        fvvdp,
     }
 }
 

@@ -8,7 +8,7 @@ use crate::points::Sweep;
 use crate::results::{Bits, Conditions, Errors, Fine, HardCase, Results, SceneResults};
 use crate::statistics::Bootstrap;
 use crate::summary::{Row, mean_rows, scene_rows};
-use crate::table::{HARDWARE_TITLES, cells, hardware_rows, titles};
+use crate::table::{cells, hardware_rows, hardware_titles, titles};
 use crate::verdict::{Contest, Measure, OURS, RIVALS, Tally, Verdict, contest, tallies, why_not};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parafovea_errors::RING_NAMES;
@@ -117,8 +117,11 @@ fn who_wins(contests: &Contests<'_>, scenes: usize, cost: &str) -> Markup {
     let tallies = tallies(contests);
     let rivals = RIVALS.into_iter().filter(|rival| tallies.iter().any(|tally| tally.rival == *rival));
     // Each technique has one for each of these.
+    let measures =
+        Measure::ALL.into_iter().filter(|measure| tallies.iter().any(|tally| tally.measure == *measure));
+    let measures: Vec<Measure> = measures.collect();
     let columns: Vec<(Sweep, Measure)> =
-        rivals.flat_map(|rival| Measure::ALL.map(|measure| (rival, measure))).collect();
+        rivals.flat_map(|rival| measures.iter().map(move |measure| (rival, *measure))).collect();
     let mut techniques: Vec<&str> = tallies.iter().map(|tally| tally.technique.as_str()).collect();
     techniques.dedup();
     let found = |technique: &str, (rival, measure)| {
@@ -148,7 +151,7 @@ fn table(results: &Results, rows: &[Row], gpu: &[Row]) -> Markup {
             table {
                 tr { @for title in titles(results) { th { (title) } } }
                 @for row in rows {
-                    tr { @for cell in cells(row, gpu) { td { (cell) } } }
+                    tr { @for cell in cells(results, row, gpu) { td { (cell) } } }
                 }
             }
         }
@@ -173,6 +176,13 @@ fn how_to_read(conditions: &Conditions) -> Markup {
             li {
                 "Flicker is RMS contrast at 8 to 30 Hz. Fragments are as the device counts them, on lavapipe 22.3.6 before the early depth test; samples are those that pass the test. "
                 "With FR they include the template and fill of the application."
+            }
+            @if let Some(version) = &conditions.fvvdp {
+                li {
+                    "JOD: just-objectionable differences by FovVideoVDP " (version) " (Mantiuk et al. 2021), foveated, of the left eye at its true gaze, on an sRGB display of 100 cd/m², whose pixels "
+                    "are as many a degree as those of the eye buffer. 10 is no difference; of two images 1 JOD apart, 75 % of people prefer the better one. Frames of the saccade are not in it. FovVideoVDP filters each place of the image over 250 ms, "
+                    "so that after a saccade it still counts the coarse blocks from before."
+                }
             }
             li { "rates.gate is \"on\", so that no technique is dropped. By default, a technique that causes a slowdown is dropped." }
         }
@@ -209,7 +219,7 @@ fn equal_cost(contests: &Contests<'_>) -> Markup {
                     td { (scene.scene) }
                     td { (contest.technique) }
                     td { (format!("{:.2}", contest.cost)) }
-                    td { (format!("{:.3}", contest.loss)) }
+                    td { (format!("{:.3}", contest.loss)) (other_unit(contest.measure)) }
                     td { (contest.measure.text()) }
                     td { (contest.rival.title()) }
                     td { (format!("{:.3}", contest.rival_loss)) @if !contest.is_reached { " (never as cheap)" } }
@@ -244,12 +254,20 @@ fn hardware(results: &Results, contests: &Contests<'_>) -> Markup {
             "the presets have their margins, and the gaze that the tracker reports. Rings: the presets without contrast. Render scale has its own images. Shaded: samples over pixels. Frames in which the eyes jump are in the last column alone. The mean of " (results.hardware.len()) " scenes."
         }
         table {
-            tr { @for title in HARDWARE_TITLES { th { (title) } } }
+            tr { @for title in hardware_titles(results) { th { (title) } } }
             @for row in hardware_rows(results) {
                 tr { @for cell in row { td { (cell) } } }
             }
         }
         (equal_cost(contests))
+    }
+}
+
+/// The unit behind a loss that is not in that of the column's title.
+fn other_unit(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Mean | Measure::Detected => "",
+        Measure::Jod => " JOD",
     }
 }
 

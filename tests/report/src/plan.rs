@@ -2,6 +2,7 @@
 
 use crate::hardware::{HardwarePoint, Rates, hardware_points};
 use crate::points::{Extent, Point, Sweep, points};
+use parafovea_errors::fvvdp::Fvvdp;
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
 use parafovea_tests::installation::Driver;
@@ -37,6 +38,8 @@ pub struct Plan {
     pub tracker: Tracker,
     /// Its device.
     pub driver: Driver,
+    /// The judge in JOD, if there is to be one.
+    pub fvvdp: Option<Fvvdp>,
 }
 
 impl Plan {
@@ -53,6 +56,7 @@ impl Plan {
             fine: None,
             tracker: Tracker::GOOD,
             driver: Driver::Lavapipe,
+            fvvdp: None,
         }
     }
 
@@ -92,11 +96,16 @@ impl Plan {
         self.points.iter().filter(|point| point.sweep == Sweep::RenderScale).count()
     }
 
+    /// The work of judging the pictures of a point: a JOD takes twice as long as all else together.
+    pub fn judging(&self) -> u64 {
+        judging(self.judged) * if self.fvvdp.is_some() { 3 } else { 1 }
+    }
+
     /// The work of judging the look of hardware rates by one more gaze script.
     pub fn work_of_script(&self) -> u64 {
         let shown = 1 + self.scaled() + self.attached();
         let judged = self.scaled() + self.hardware.len();
-        shown as u64 * rendering(self.judged) + judged as u64 * judging(self.judged)
+        shown as u64 * rendering(self.judged) + judged as u64 * self.judging()
     }
 
     fn further_scripts(&self) -> u32 {
@@ -113,16 +122,15 @@ impl Plan {
 
     /// All of it, in the unit of [`rendering`] and [`judging`].
     pub fn work(&self) -> u64 {
-        let pictures = |effort: Effort| {
-            self.points.len() as u64 * (rendering(effort) + judging(effort)) - judging(effort)
-        };
+        let pictures =
+            |effort: Effort, judging: u64| self.points.len() as u64 * (rendering(effort) + judging) - judging;
         let timed = self.timed_points().map(|(_, point)| rendering(self.timed.of(&point.technique)));
         let timed = timed.sum::<u64>() * self.timed.turns as u64;
-        let fine = self.fine.map_or(0, |(_, effort)| pictures(effort));
+        let fine = self.fine.map_or(0, |(_, effort)| pictures(effort, judging(effort)));
         let hardware = self.attached() as u64 * rendering(self.judged)
-            + self.hardware.len() as u64 * judging(self.judged)
+            + self.hardware.len() as u64 * self.judging()
             + u64::from(self.further_scripts()) * self.work_of_script();
-        self.scenes.len() as u64 * (pictures(self.judged) + hardware + timed) + fine
+        self.scenes.len() as u64 * (pictures(self.judged, self.judging()) + hardware + timed) + fine
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::points::Sweep;
 use crate::statistics::{CostAndLoss, RatePoint};
 use parafovea_errors::RINGS;
+use parafovea_errors::fvvdp::Differences;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -46,6 +47,9 @@ pub struct Conditions {
     pub timed: [u64; 4],
     /// Parameters of the judged runs: run-up, frames and pixels of a side.
     pub judged: [u64; 3],
+    /// Version of FovVideoVDP that judged by JOD; `None`: that was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fvvdp: Option<String>,
 }
 
 /// Results of a scene.
@@ -117,6 +121,9 @@ pub struct Errors {
     pub chroma: Option<f64>,
     /// ꟻLIP, which knows nothing of gaze, over the whole view.
     pub flip: Option<f64>,
+    /// Differences of each frame by foveated FovVideoVDP, for the left eye, of which JOD is made; nothing where that was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fvvdp: Option<Differences>,
 }
 
 /// Errors at 20 pixels a degree.
@@ -222,6 +229,13 @@ impl PointResults {
     /// Mean of the change in the frames in which the eyes jump, if they saw then as at rest, JND.
     pub fn detected_in_flight(&self) -> Option<f64> {
         self.errors.as_ref().and_then(|errors| errors.mean_of(&errors.detected, true))
+    }
+
+    /// JOD by FovVideoVDP of the frames in which the eyes do not jump: 10 is no difference. None where that was not asked for, and for the application alone.
+    pub fn jod(&self) -> Option<f64> {
+        let errors = self.errors.as_ref()?;
+        let frames = (0..errors.loss.len()).filter(|frame| !errors.is_in_flight(*frame));
+        errors.fvvdp.as_ref()?.lost_jod(frames).map(|lost| 10.0 - lost)
     }
 
     /// Its cost, in costs of the application alone, and its loss; `None` if its time was not measured.

@@ -31,6 +31,8 @@ pub struct Row {
     pub flicker: Option<f64>,
     /// Change of colour contrast, JND.
     pub chroma: Option<f64>,
+    /// JOD by FovVideoVDP.
+    pub jod: Option<f64>,
 }
 
 /// The rows of a scene.
@@ -54,6 +56,7 @@ fn row(point: &PointResults, off: &PointResults) -> Row {
         detected: point.detected(),
         flicker: errors.and_then(|errors| errors.flicker),
         chroma: errors.and_then(|errors| errors.chroma),
+        jod: point.jod(),
     }
 }
 
@@ -85,5 +88,6 @@ fn mean_row(sweep: Sweep, technique: &str, rows: &[&Row]) -> Row {
         detected: arithmetic(|row| Some(row.detected)).unwrap_or(f64::NAN),
         flicker: arithmetic(|row| row.flicker),
         chroma: arithmetic(|row| row.chroma),
+        jod: arithmetic(|row| row.jod),
     }
 }

@@ -21,11 +21,17 @@ pub fn titles(results: &Results) -> Vec<String> {
     titles.push("own kernels, GPU ms (estimate)".to_owned());
     titles.extend(RING_NAMES.map(|ring| format!("JND {ring}°")));
     titles.extend(["contrast loss, JND", "detected, JND", "flicker", "chroma JND"].map(str::to_owned));
+    titles.extend(has_jod(results).then(|| "JOD".to_owned()));
     titles
 }
 
-/// The cells of a row; `gpu` are the rows of committed results of a GPU.
-pub fn cells(row: &Row, gpu: &[Row]) -> Vec<String> {
+/// Whether FovVideoVDP judged too.
+pub fn has_jod(results: &Results) -> bool {
+    results.conditions.fvvdp.is_some()
+}
+
+/// The cells of a row under [`titles`]; `gpu` are the rows of committed results of a GPU.
+pub fn cells(results: &Results, row: &Row, gpu: &[Row]) -> Vec<String> {
     let number =
         |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |value| format!("{value:.digits$}"));
     let on_gpu = gpu.iter().find(|other| other.technique == row.technique);
@@ -43,6 +49,7 @@ pub fn cells(row: &Row, gpu: &[Row]) -> Vec<String> {
         number(row.flicker, 3),
         number(row.chroma, 2),
     ]);
+    cells.extend(has_jod(results).then(|| number(row.jod, 2)));
     cells
 }
 
@@ -59,24 +66,30 @@ pub fn markdown(results: &Results, gpu: &[Row]) -> String {
 }
 
 /// The titles of the table by the look of hardware rates.
-pub const HARDWARE_TITLES: [&str; 5] =
-    ["technique", "shaded", "contrast loss, JND", "detected, JND", "detected in saccades, JND"];
+pub fn hardware_titles(results: &Results) -> Vec<&'static str> {
+    let mut titles =
+        vec!["technique", "shaded", "contrast loss, JND", "detected, JND", "detected in saccades, JND"];
+    titles.extend(has_jod(results).then_some("JOD"));
+    titles
+}
 
 /// Its rows: means over scenes and gaze scripts.
-pub fn hardware_rows(results: &Results) -> Vec<[String; 5]> {
+pub fn hardware_rows(results: &Results) -> Vec<Vec<String>> {
     let techniques = results.hardware.first().into_iter().flat_map(|scene| &scene.points);
     let mean_of = |name: &str, digits: usize, value: fn(&PointResults) -> Option<f64>| {
         mean(results.hardware.iter().filter_map(|scene| value(scene.point(name)?)))
             .map_or("-".to_owned(), |value| format!("{value:.digits$}"))
     };
     let row = |name: &str| {
-        [
+        let mut row = vec![
             name.to_owned(),
             mean_of(name, 3, |point| point.cost.as_ref().map(|cost| cost.ratio)),
             mean_of(name, 3, |point| Some(point.loss())),
             mean_of(name, 2, |point| Some(point.detected())),
             mean_of(name, 2, PointResults::detected_in_flight),
-        ]
+        ];
+        row.extend(has_jod(results).then(|| mean_of(name, 2, PointResults::jod)));
+        row
     };
     techniques.map(|point| row(&point.technique)).collect()
 }
@@ -88,7 +101,8 @@ fn hardware_markdown(results: &Results) -> String {
     }
     let mut text =
         format!("### By the look of hardware rates, mean of {} scenes\n\n", results.hardware.len());
-    text += &format!("| {} |\n|---|---:|---:|---:|---:|\n", HARDWARE_TITLES.join(" | "));
+    let titles = hardware_titles(results);
+    text += &format!("| {} |\n|---|{}\n", titles.join(" | "), "---:|".repeat(titles.len() - 1));
     for row in hardware_rows(results) {
         text += &format!("| {} |\n", row.join(" | "));
     }
@@ -104,7 +118,7 @@ fn table(results: &Results, rows: &[Row], gpu: &[Row]) -> String {
     let titles = titles(results);
     let mut text = format!("| {} |\n|---|{}\n", titles.join(" | "), "---:|".repeat(titles.len() - 1));
     for row in rows {
-        text += &format!("| {} |\n", cells(row, gpu).join(" | "));
+        text += &format!("| {} |\n", cells(results, row, gpu).join(" | "));
     }
     text
 }
@@ -131,7 +145,8 @@ pub fn csv(results: &Results) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let rings = RING_NAMES.map(|ring| format!("sustained_jnd_{ring}"));
     let names = ["scene", "sweep", "technique"].into_iter().chain(FIGURES);
-    writer.write_record(names.map(str::to_owned).chain(rings))?;
+    let jod = has_jod(results).then(|| "jod".to_owned());
+    writer.write_record(names.map(str::to_owned).chain(rings).chain(jod))?;
     for scene in &results.scenes {
         for (row, point) in scene_rows(scene).iter().zip(&scene.points) {
             let text = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
@@ -149,7 +164,8 @@ pub fn csv(results: &Results) -> Result<String, csv::Error> {
                 row.chroma,
                 spread,
             ];
-            record.extend(figures.into_iter().chain(row.sustained).map(text));
+            let jod = has_jod(results).then_some(row.jod);
+            record.extend(figures.into_iter().chain(row.sustained).chain(jod).map(text));
             writer.write_record(record)?;
         }
     }
@@ -190,6 +206,7 @@ pub fn json_rows(results: &Results) -> Vec<JsonRow> {
             add("detected", "JND", Some(row.detected), None);
             add("flicker", "contrast", row.flicker, None);
             add("chroma", "JND", row.chroma, None);
+            add("jod", "JOD", row.jod, None);
             for (ring, value) in RING_NAMES.into_iter().zip(row.sustained) {
                 add(&format!("sustained {ring}"), "JND", value, None);
             }

@@ -27,24 +27,33 @@ pub enum Measure {
     Mean,
     /// Detection, by probability summation over the view.
     Detected,
+    /// JOD that foveated FovVideoVDP takes off, where it was asked for.
+    Jod,
 }
 
 impl Measure {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Mean, Self::Detected];
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Mean, Self::Detected, Self::Jod];
 
     /// In a few words.
     pub fn text(self) -> &'static str {
         match self {
             Self::Mean => "mean of the view",
             Self::Detected => "as detected",
+            Self::Jod => "by JOD",
         }
     }
 
-    fn of(self, errors: &Errors) -> &[f64] {
+    /// The loss in these frames; none where one of them was not measured.
+    fn of(self, errors: &Errors, frames: &[usize]) -> Option<f64> {
+        let mean = |values: &[f64]| {
+            let sum = frames.iter().map(|&frame| values.get(frame)).sum::<Option<f64>>()?;
+            Some(sum / frames.len() as f64)
+        };
         match self {
-            Self::Mean => &errors.loss,
-            Self::Detected => &errors.detected,
+            Self::Mean => mean(&errors.loss),
+            Self::Detected => mean(&errors.detected),
+            Self::Jod => errors.fvvdp.as_ref()?.lost_jod(frames.iter().copied()),
         }
     }
 }
@@ -85,13 +94,13 @@ pub struct Contest {
     pub measure: Measure,
     /// Our cost, in costs of the application alone.
     pub cost: f64,
-    /// Our loss, JND.
+    /// Our loss, JND, or JOD by that measure.
     pub loss: f64,
     /// The sweep's loss at that cost, or, if it is never as cheap, at its cheapest.
     pub rival_loss: f64,
     /// Whether the sweep is as cheap somewhere.
     pub is_reached: bool,
-    /// Ours less theirs, JND.
+    /// Ours less theirs, likewise.
     pub difference: Option<Interval>,
     /// The outcome.
     pub verdict: Verdict,
@@ -178,7 +187,7 @@ fn in_frames(
     let sum = |values: &[f64]| drawn.iter().map(|&frame| values.get(frame)).sum::<Option<f64>>();
     let cost = sum(&point.cost.as_ref()?.frames_ms)? / sum(&off.cost.as_ref()?.frames_ms)?;
     let loss = match &point.errors {
-        Some(errors) => sum(measure.of(errors))? / drawn.len() as f64,
+        Some(errors) => measure.of(errors, drawn)?,
         None => 0.0,
     };
     Some(CostAndLoss { cost, loss })

@@ -1,12 +1,13 @@
 //! How wrong the pictures are that a technique shows.
 
+use super::jod::worse_jod;
 use super::{Effort, Subject, Technique};
 use crate::HarnessError;
 use crate::run::Outcome;
 use crate::scenario::{Picture, Scenario, View};
 use parafovea_core::geometry::Fov;
 use parafovea_errors::fvvdp::Fvvdp;
-use parafovea_errors::{Clip, Eye, Frame, Judge, Report, Viewing};
+use parafovea_errors::{Eye, Frame, Judge, Report, Viewing};
 use parafovea_scene::scene::FRAMES_PER_SECOND;
 use parafovea_scene::script::WHITE_CD_M2;
 
@@ -46,35 +47,16 @@ pub fn errors(
     let judged = |technique| -> Result<Judged, HarnessError> {
         let test = show(technique)?;
         let report = judge(subject, &scenario, &reference, &test)?;
-        let jod = fvvdp.map(|fvvdp| jod(fvvdp, subject, &scenario, [&reference, &test])).transpose()?;
+        let run = |outcome| JudgedRun { subject, scenario: &scenario, outcome };
+        let jod = fvvdp.map(|fvvdp| worse_jod(fvvdp, run(&reference), run(&test))).transpose()?;
         Ok(Judged { report, jod })
     };
     others.iter().map(judged).collect()
 }
 
-fn viewing() -> Viewing {
+/// The display: an sRGB one of 100 cd/m^2.
+pub(super) fn viewing() -> Viewing {
     Viewing { white_cd_m2: WHITE_CD_M2, refresh_hz: FRAMES_PER_SECOND as f32, ..Viewing::default() }
-}
-
-/// JOD of the worse eye.
-fn jod(
-    fvvdp: &Fvvdp,
-    subject: &Subject,
-    scenario: &Scenario,
-    outcomes: [&Outcome; 2],
-) -> Result<f64, HarnessError> {
-    let clip = |outcome| -> Result<Clip, HarnessError> {
-        let frames = scenario.output.save_frames.iter();
-        let frames = frames.map(|&frame| shown(subject, scenario, outcome, frame));
-        Ok(Clip { frames: frames.collect::<Result<_, _>>()? })
-    };
-    let [reference, test] = [clip(outcomes[0])?, clip(outcomes[1])?];
-    let mut worse = f64::INFINITY;
-    for eye in 0..scenario.views.len() {
-        let found = fvvdp.jod(&reference, &test, eye, &viewing());
-        worse = worse.min(found.map_err(|error| outcomes[1].failed(&error.to_string()))?.jod);
-    }
-    Ok(worse)
 }
 
 /// The same, with the eyes' images of the frames after the run-up kept for [`judge`].
@@ -157,14 +139,17 @@ fn shown(
     outcome: &Outcome,
     frame: u64,
 ) -> Result<Frame, HarnessError> {
-    let eye = |index: usize| -> Result<Option<Eye>, HarnessError> {
-        let Some(view) = scenario.views.get(index) else { return Ok(None) };
-        let picture = outcome.eye(index, frame)?;
-        let codes = parafovea_errors::Picture::from_srgb8(picture.width, picture.height, &picture.pixels);
-        let gaze = subject.true_gaze(frame, view);
-        Ok(codes.map(|picture| Eye { picture, fov: fov(view), gaze, age: None }))
-    };
+    let eye = |index| shown_to(JudgedRun { subject, scenario, outcome }, frame, index);
     Ok(Frame { time_s: subject.time_s(frame), eyes: [eye(0)?, eye(1)?] })
+}
+
+/// Image of one eye (0 left, 1 right) in a frame; none where the scenario has no such view.
+pub(super) fn shown_to(run: JudgedRun, frame: u64, eye: usize) -> Result<Option<Eye>, HarnessError> {
+    let Some(view) = run.scenario.views.get(eye) else { return Ok(None) };
+    let picture = run.outcome.eye(eye, frame)?;
+    let codes = parafovea_errors::Picture::from_srgb8(picture.width, picture.height, &picture.pixels);
+    let gaze = run.subject.true_gaze(frame, view);
+    Ok(codes.map(|picture| Eye { picture, fov: fov(view), gaze, age: None }))
 }
 
 /// Field of view of a view, radians.

@@ -1,23 +1,36 @@
-//! FovVideoVDP, where somebody wants it.
+//! FovVideoVDP, where somebody has it.
 
-use crate::scene::{blurred, clip, held, in_ring};
+use crate::scene::{SIDE, blurred, clip, each, held, in_ring, light};
 use glam::Vec3;
-use parafovea_errors::fvvdp::Fvvdp;
-use parafovea_errors::{Clip, Viewing};
+use parafovea_errors::fvvdp::{Fvvdp, VERSION};
+use parafovea_errors::{Clip, Picture, Viewing};
+use parafovea_trial::{Lack, skip};
 use std::path::Path;
 
-/// `PARAFOVEA_FVVDP` names the folder of the environment; without it one is made anew.
+/// The Python interpreter that `PARAFOVEA_JOD` names.
+fn fvvdp() -> Fvvdp {
+    let Some(python) = std::env::var_os("PARAFOVEA_JOD") else {
+        skip(&Lack::machine("a Python with pyfvvdp, which PARAFOVEA_JOD would name"))
+    };
+    Fvvdp::of(Path::new(&python)).unwrap()
+}
+
+fn looking(clip: &Clip, gaze: Vec3) -> Clip {
+    let mut clip = clip.clone();
+    for eye in clip.frames.iter_mut().flat_map(|frame| frame.eyes.iter_mut().flatten()) {
+        eye.gaze = gaze;
+    }
+    clip
+}
+
 #[test]
-#[ignore = "downloads and installs 6 GB under a non-commercial licence; PARAFOVEA_FVVDP=folder keeps it"]
 fn equal_clips_are_10_jod_and_degraded_ones_less() {
-    let temporary = tempfile::tempdir().unwrap();
-    let kept = std::env::var_os("PARAFOVEA_FVVDP");
-    let folder = kept.as_deref().map_or(temporary.path(), Path::new);
-    let fvvdp = Fvvdp::install(folder).unwrap();
+    let fvvdp = fvvdp();
     let reference = clip(12, 1);
     let jod = |test: &Clip| fvvdp.jod(&reference, test, 0, &Viewing::default()).unwrap();
     let equal = jod(&reference);
-    assert_eq!((equal.jod, equal.version.as_str()), (10.0, "1.2.2"));
+    assert_eq!((equal.jod, equal.version.as_str()), (10.0, VERSION));
+    assert_eq!(equal.differences.by_frame, [0.0; 12]);
     let [less, more] = [1, 4].map(|radius| jod(&blurred(&reference, radius)).jod);
     assert!(more < less && less < 10.0, "blur: {less}, {more}");
     eprintln!("blur: {less} and {more} JOD");
@@ -26,15 +39,29 @@ fn equal_clips_are_10_jod_and_degraded_ones_less() {
     eprintln!("dropped frames: {less} and {more} JOD");
     // The same change costs more where the eye looks.
     let blurred = in_ring(&reference, &blurred(&reference, 3), 1);
-    let looked_at = jod(&blurred).jod;
-    let aside = [&reference, &blurred].map(|clip| {
-        let mut clip = clip.clone();
-        for eye in clip.frames.iter_mut().flat_map(|frame| frame.eyes.iter_mut().flatten()) {
-            eye.gaze = Vec3::new(0.7, 0.0, -1.0);
-        }
-        clip
-    });
+    let found = jod(&blurred);
+    let of_all = 10.0 - found.differences.lost_jod(0..12).unwrap();
+    assert!((of_all - found.jod).abs() < 1e-4, "{of_all} by frames, {} by FovVideoVDP", found.jod);
+    let aside = [&reference, &blurred].map(|clip| looking(clip, Vec3::new(0.7, 0.0, -1.0)));
     let aside = fvvdp.jod(&aside[0], &aside[1], 0, &Viewing::default()).unwrap().jod;
-    assert!(looked_at < aside && aside < 10.0, "looked at: {looked_at}, aside: {aside}");
-    eprintln!("looked at: {looked_at} JOD, aside: {aside} JOD");
+    assert!(found.jod < aside && aside < 10.0, "looked at: {}, aside: {aside}", found.jod);
+    eprintln!("looked at: {} JOD, aside: {aside} JOD", found.jod);
+}
+
+/// One half of the picture is blurred, and somebody looks into its middle, or into that of the other one.
+#[test]
+fn a_blurred_periphery_costs_less_jod_than_a_blurred_fovea() {
+    let fvvdp = fvvdp();
+    let reference = clip(4, 1);
+    let soft = blurred(&reference, 2);
+    let half = each(&reference, |frame, sharp| {
+        let Some(soft) = &soft.frames[frame].eyes[0] else { return sharp.clone() };
+        Picture::from_linear(SIDE, SIDE, |x, y| light(if x < SIDE / 2 { &soft.picture } else { sharp }, x, y))
+    });
+    let [fovea, periphery] = [-0.5, 0.5].map(|x| {
+        let [before, after] = [&reference, &half].map(|clip| looking(clip, Vec3::new(x, 0.0, -1.0)));
+        fvvdp.jod(&before, &after, 0, &Viewing::default()).unwrap().jod
+    });
+    eprintln!("fovea: {fovea} JOD, periphery: {periphery} JOD");
+    assert!(fovea + 0.1 < periphery && periphery < 10.0, "fovea: {fovea}, periphery: {periphery}");
 }

@@ -1,7 +1,8 @@
 //! Maps over the pictures of the application alone, as a device with shading rates would show them.
 
-use super::{at_once, errors, flights, show};
+use super::{EYE_OF_JOD, at_once, errors, flights, show};
 use crate::hardware::{HardwarePoint, Rates};
+use crate::plan::Plan;
 use crate::points::Sweep;
 use crate::results::{Cost, PointResults, SceneResults, mean};
 use glam::{Quat, Vec2, Vec3};
@@ -9,13 +10,14 @@ use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::image::Plane;
 use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RateSettings, SafetySettings};
 use parafovea_core::rate::ShadingRate;
+use parafovea_errors::Picture;
 use parafovea_scene::openxr_toolkit::ScreenEllipses;
 use parafovea_test_layers::{
     SHADING_RATE_GPU_VARIABLE, SHADING_RATE_TEXELS_VARIABLE, ShadingRateLine, ShadingRatePass,
     ShadingRateProfile,
 };
 use parafovea_tests::HarnessError;
-use parafovea_tests::measure::{Effort, Subject, Technique, fov, judge_shaded};
+use parafovea_tests::measure::{Effort, JudgedRun, Subject, Technique, fov, jod_shaded, judge_shaded};
 use parafovea_tests::run::Outcome;
 use parafovea_tests::scenario::Scenario;
 use std::thread::available_parallelism;
@@ -45,7 +47,7 @@ impl EyeRates {
 /// All points in a scene, behind the application alone. `others` were judged by their own pictures, which look on any device as they
 /// do here; their cost is the share of the pixels that they have.
 pub fn measure(
-    points: &[HardwarePoint],
+    plan: &Plan,
     (subject, scenario, effort): (&Subject, &Scenario, Effort),
     reference: &Outcome,
     others: &[PointResults],
@@ -58,20 +60,26 @@ pub fn measure(
         let share = scale.map_or(f64::NAN, |scale| scale * scale);
         result(other.sweep, &other.technique, vec![share; frames], other.errors.clone())
     }));
-    for together in points.chunks(available_parallelism().map_or(1, usize::from)) {
+    let run = JudgedRun { subject, scenario, outcome: reference };
+    for together in plan.hardware.chunks(available_parallelism().map_or(1, usize::from)) {
         let planned = together
             .iter()
             .map(|point| Ok((point, maps(&point.rates, (subject, scenario, effort), reference)?)));
         let planned = planned.collect::<Result<Vec<_>, HarnessError>>()?;
-        let reports = at_once(&planned, |(_, maps)| {
-            judge_shaded(subject, scenario, reference, |frame, eye, picture| {
+        let judged = at_once(&planned, |(_, maps)| {
+            let look = |frame: u64, eye: usize, picture: &Picture| {
                 let map = &maps[(frame - effort.run_up) as usize][eye];
                 picture.shaded_at(|x, y| map.at(x, y))
-            })
+            };
+            let report = judge_shaded(subject, scenario, reference, look)?;
+            let jod = plan.fvvdp.as_ref().map(|fvvdp| {
+                jod_shaded(fvvdp, run, EYE_OF_JOD, |frame, picture| look(frame, EYE_OF_JOD, picture))
+            });
+            Ok(errors(&report, &in_flight, jod.transpose()?.map(|jod| jod.differences)))
         })?;
-        for ((HardwarePoint { sweep, name, .. }, maps), report) in planned.iter().zip(reports) {
+        for ((HardwarePoint { sweep, name, .. }, maps), errors) in planned.iter().zip(judged) {
             let shares = maps.iter().map(|eyes| eyes.iter().map(EyeRates::share).sum::<f64>() / 2.0);
-            found.push(result(*sweep, name, shares.collect(), Some(errors(&report, &in_flight))));
+            found.push(result(*sweep, name, shares.collect(), Some(errors)));
         }
     }
     let scene = subject.name().to_owned();
@@ -99,6 +107,9 @@ pub fn join(all: &mut SceneResults, next: SceneResults) {
         errors.loss.extend(next.loss);
         errors.detected.extend(next.detected);
         errors.in_flight.extend(next.in_flight);
+        if let (Some(fvvdp), Some(next)) = (&mut errors.fvvdp, next.fvvdp) {
+            fvvdp.by_frame.extend(next.by_frame);
+        }
         errors.sustained.iter_mut().zip(next.sustained).for_each(|(old, new)| with(old, new));
         errors.transient.iter_mut().zip(next.transient).for_each(|(old, new)| with(old, new));
         with(&mut errors.flicker, next.flicker);

@@ -1,6 +1,7 @@
 //! Results that nobody measured.
 
 use parafovea_errors::RINGS;
+use parafovea_errors::fvvdp::Differences;
 use parafovea_report::points::Sweep;
 use parafovea_report::results::{
     Bits, Conditions, Cost, Errors, HardCase, PointResults, Results, SceneResults,
@@ -22,6 +23,7 @@ pub fn conditions() -> Conditions {
         command: "cargo dev report --quick".to_owned(),
         timed: [2, 120, 30, 512],
         judged: [120, 30, 512],
+        fvvdp: None,
     }
 }
 
@@ -41,6 +43,7 @@ pub fn point(sweep: Sweep, technique: &str, ratio: f64, loss: f64, varied: f64) 
         chroma: Some(0.2),
         flip: None,
         in_flight: Vec::new(),
+        fvvdp: None,
     });
     let cost = Cost { median_ms: 40.0 * ratio, p99_ms: 50.0 * ratio, ratio, spread: 0.01, frames_ms };
     PointResults {
@@ -98,4 +101,17 @@ pub fn results() -> Results {
         fine: None,
         hard_cases: vec![case],
     }
+}
+
+/// The same, where FovVideoVDP takes off as many JOD as contrast is lost in JND.
+pub fn results_with_jod() -> Results {
+    let mut results = results();
+    results.conditions.fvvdp = Some("1.2.2".to_owned());
+    for errors in
+        results.scenes.iter_mut().flat_map(|scene| &mut scene.points).filter_map(|p| p.errors.as_mut())
+    {
+        let by_frame = errors.loss.iter().map(|loss| loss * loss).collect();
+        errors.fvvdp = Some(Differences { by_frame, exponent: 0.5 });
+    }
+    results
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod jod;
 mod made_up;
 mod measured;
 mod plans;
