@@ -131,7 +131,7 @@ fn who_wins(contests: &Contests<'_>, scenes: usize, cost: &str) -> Markup {
     };
     html! {
         @if !techniques.is_empty() {
-            p { "Number of scenes, out of " (scenes) ", with a lower contrast loss than the alternative at equal " (cost) ":" }
+            p { "Number of scenes, out of " (scenes) ", with a lower loss than the alternative at equal " (cost) ":" }
             table.words {
                 tr { th { "ours" } @for (rival, measure) in &columns { th { "than " (rival.title()) ", " (measure.text()) } } }
                 @for technique in techniques {
