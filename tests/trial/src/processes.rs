@@ -24,6 +24,11 @@ impl Process {
         let is_marked = environment.split(|byte| *byte == 0).any(|variable| variable == mark.as_bytes());
         (state != 'Z' && state != 'X').then_some(Self { id, parent, name, is_marked })
     }
+
+    /// Whether it has not ended: after a kill, that takes a busy machine a moment.
+    pub fn is_alive(&self) -> bool {
+        Self::read(self.id, "").is_some_and(|now| now.name == self.name)
+    }
 }
 
 /// The name, the state and the parent of a line of `/proc/PID/stat`. The name may contain anything.

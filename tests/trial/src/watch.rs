@@ -115,12 +115,16 @@ impl Drop for Family<'_> {
         let start = Instant::now();
         let is_alive = matches!(self.child.try_wait(), Ok(None));
         let root = is_alive.then(|| self.child.id());
+        let mut killed: Vec<Process> = Vec::new();
         while start.elapsed() < GRACE {
-            let left = family(root, self.mark);
+            let mut left = family(root, self.mark);
+            // Without its parent and our environment, nothing finds a killed process any more.
+            left.extend(killed.into_iter().filter(Process::is_alive));
             if left.is_empty() {
                 break;
             }
             kill(&left);
+            killed = left;
             // Reaps it; it fails only for a process that was reaped before.
             drop(self.child.try_wait());
             std::thread::sleep(POLL);

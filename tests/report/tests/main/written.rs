@@ -66,10 +66,7 @@ fn the_look_of_hardware_rates_has_a_table_and_verdicts() {
     let table = html.split(words).nth(1).unwrap();
     // Cost, and what is lost in the mean of two scenes.
     assert!(table.contains("<td>preset balanced</td><td>0.550</td>"), "{table}");
-    assert!(
-        html.contains("out of 2, with a lower loss than the alternative at equal share"),
-        "{html}"
-    );
+    assert!(html.contains("out of 2, with a lower loss than the alternative at equal share"), "{html}");
 }
 
 #[test]
