@@ -1,4 +1,4 @@
-//! The preset `paper` in a running application, against the figures of the papers. Those of paper B are in [`super::schedule`].
+//! The preset `paper` in a running application, against the figures of the papers. [`super::schedule`] has the figures of paper B.
 
 use super::audio_visual::{Listening, MOST_WAITED, SETTLED, tone_at};
 use glam::{Quat, Vec3};

@@ -201,8 +201,8 @@ unsafe extern "system" fn families2(
     }
 }
 
-/// Writes the device's families as `next` gives them and `amend` changes them, and another one like the first where there is one only, as
-/// both functions do: the count alone where `properties` is null.
+/// Writes the device's families, from `next`, with the changes of `amend`, and a second one like the first if the device has one: the count alone
+/// if `properties` is null.
 ///
 /// # Safety
 /// `count` is valid, and `properties` null or with room for as many structures.
@@ -236,7 +236,7 @@ unsafe fn list<T>(
 
 /// A structure with the properties of a family.
 trait Families {
-    /// Takes those of another one, but for a second queue.
+    /// Takes the properties of another family, with one queue.
     fn take_properties(&mut self, other: &Self);
 }
 

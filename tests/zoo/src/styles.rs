@@ -33,7 +33,6 @@ mod quad_ui;
 mod render_pass;
 mod render_thread;
 mod reversed_z;
-mod second_family;
 mod second_queue;
 pub mod secondaries;
 mod shader_objects;
@@ -81,7 +80,7 @@ pub const STYLES: &[&Style] = &[
     &shader_objects::STYLE,
     &secondaries::STYLE,
     &second_queue::STYLE,
-    &second_family::STYLE,
+    &second_queue::OF_ANOTHER_FAMILY,
     &async_compute::STYLE,
     &two_devices::STYLE,
     &prerecorded::STYLE,

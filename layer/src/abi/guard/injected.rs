@@ -23,7 +23,7 @@ static INJECTED: LazyLock<Option<Injected>> = LazyLock::new(|| {
     })
 });
 
-/// Whether the variable is known to be unset: one load a hook, so that the times of these builds are close to those of release builds.
+/// Known absence of the variable: one load a hook, for times close to those of release builds.
 static UNSET: AtomicBool = AtomicBool::new(false);
 
 /// A hook begins.

@@ -56,7 +56,7 @@ pub(super) struct Picture<'a> {
     pub(super) vulkan: &'a Vulkan,
     pub(super) kind: SampleKind,
     image: vk::Image,
-    /// Of each layer: what is drawn to, and what reads it.
+    /// Framebuffer and reading set of each layer.
     layers: Vec<(vk::Framebuffer, vk::DescriptorSet)>,
     pass: vk::RenderPass,
     /// Of each sample.

@@ -22,7 +22,7 @@ impl Gpu {
     /// The same, for queues of that family.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of vkCreateCommandPool and vkAllocateCommandBuffers.
     pub fn command_buffers_of(
         &self,
         family: u32,
@@ -109,8 +109,11 @@ impl Gpu {
     }
 
     /// Gives a colour target, whose layout stays, from the second queue's family to that of the session: recorded for the second queue
-    /// after all uses there, and for the session's before all uses there.
+    /// after all uses there, and for the session's before all uses there. Nothing where both have one family.
     pub fn give_back(&self, commands: vk::CommandBuffer, image: &Image) {
+        if self.families[0] == self.families[1] {
+            return;
+        }
         let barrier = vk::ImageMemoryBarrier::default()
             .image(image.handle)
             .subresource_range(image.range())
