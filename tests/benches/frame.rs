@@ -1,16 +1,13 @@
 //! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--run-up N] [--turns N] [--size PIXELS]
-//! [--error-frames N] [--error-size PIXELS] [--head DEGREES_PER_S] [--system-driver] [--fvvdp] [--against NAME=FILE]`. With `--against`, techniques of the layer have
-//! their turn with that build's library too, as `cargo dev bench --compare REV` asks for. `--fvvdp` judges by FovVideoVDP too: not for commercial use,
-//! and 6 GB. With `--system-driver` applications run on the system's GPU instead of lavapipe, and its time is taken by timestamps.
-//! With `--head`, head and eyes do not move as in the scene's script: the head turns so fast (0: it rests), and the eyes look straight ahead.
-//! `hello_xr` is a scene too, and so is each style of the zoo, all of them as `styles`, though not among those that are measured unasked: of
-//! styles a table of one row a technique is printed. The run-up is 4 frames, and 120
-//! where a technique is the layer's: the others then reach the same frames sooner.
+//! [--error-frames N] [--error-size PIXELS] [--head DEGREES_PER_S] [--system-driver] [--against NAME=FILE]`. With `--against`, techniques of the
+//! layer have their turn with that build's library too, as `cargo dev bench --compare REV` asks for. With `--system-driver` applications run on the
+//! system's GPU instead of lavapipe, and its time is taken by timestamps. With `--head`, head and eyes do not move as in the scene's script: the
+//! head turns so fast (0: it rests), and the eyes look straight ahead. `hello_xr` is a scene too, and so is each style of the zoo, all of them as
+//! `styles`, though not by default: styles have a table of one row per technique. The run-up is 4 frames, and 120 where a technique is the
+//! layer's: the others then reach the same frames sooner. JOD is the report's: `cargo dev report --jod`.
 
-use parafovea_errors::fvvdp::{Fvvdp, NOTICE};
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
-use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::device::Machine;
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::{
@@ -33,7 +30,7 @@ fn main() -> ExitCode {
     }
 }
 
-const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --head, --system-driver, --fvvdp, --against";
+const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --head, --system-driver, --against";
 
 /// Arguments of the bench.
 #[derive(Clone, Copy)]
@@ -88,8 +85,6 @@ struct Request {
     /// How fast the head turns, degrees a second, instead of as in the script.
     head_deg_per_s: Option<f32>,
     driver: Driver,
-    /// Whether FovVideoVDP judges too.
-    fvvdp: bool,
     /// Another build of the layer: its name and its library.
     against: Option<(String, PathBuf)>,
 }
@@ -110,7 +105,6 @@ impl Request {
             judged: Effort { turns: 1, run_up: RUN_UP, frames: 30, size: 512 },
             head_deg_per_s: None,
             driver: Driver::Lavapipe,
-            fvvdp: false,
             against: None,
         };
         while let Some(argument) = arguments.next() {
@@ -124,7 +118,6 @@ impl Request {
                     request.apps = named.concat();
                 }
                 "--system-driver" => request.driver = Driver::System,
-                "--fvvdp" => request.fvvdp = true,
                 "--against" => request.against = Some(against(&value())?),
                 "--techniques" => {
                     request.techniques = Some(value().split(',').map(str::to_owned).collect());
@@ -260,12 +253,6 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         timed.frames,
         size = timed.size
     );
-    let fvvdp = if request.fvvdp {
-        eprintln!("--fvvdp: {NOTICE}");
-        Some(Fvvdp::install(&target_folder()?.join("fvvdp"))?)
-    } else {
-        None
-    };
     let mut done = 0;
     let mut progress = |run: &str| {
         done += 1;
@@ -287,11 +274,7 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
             }
             other => other?,
         };
-        let judged = if with_errors {
-            errors(seen, techniques, judged, fvvdp.as_ref(), &mut progress)?
-        } else {
-            Vec::new()
-        };
+        let judged = if with_errors { errors(seen, techniques, judged, &mut progress)? } else { Vec::new() };
         let app = subject.name();
         if let Some((name, _)) = &request.against {
             compare(app, name, &timings, request.json);
@@ -301,8 +284,8 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
             println!("{}", StyleRows { style: app, timings: &timings });
         } else if request.json {
             print_json(&rows(app, &timings));
-            for (technique, judged) in techniques[1..].iter().zip(&judged) {
-                print_json(&error_rows(app, &technique.name, judged));
+            for (technique, report) in techniques[1..].iter().zip(&judged) {
+                print_json(&error_rows(app, &technique.name, report));
             }
         } else {
             println!("{}", Summary { app, timings: &timings, judged: &judged });

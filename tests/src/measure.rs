@@ -14,7 +14,7 @@ mod technique;
 mod timing;
 mod turns;
 
-pub use errors::{Judged, JudgedRun, RUN_UP, errors, fov, judge, judge_runs, judge_shaded, with_pictures};
+pub use errors::{JudgedRun, RUN_UP, errors, fov, judge, judge_runs, judge_shaded, with_pictures};
 pub use jod::{jod, jod_shaded};
 pub use rows::{Comparison, Row, against_rows, error_rows, print_json, rows};
 pub use statistics::{Ratio, Samples};

@@ -11,39 +11,39 @@ pub struct Options {
     /// Name of the case
     #[arg(required_unless_present_any = ["list", "soak", "sequences"])]
     pub case: Option<String>,
-    /// Print the names of the cases, one a line
+    /// Print the names of the cases, one per line
     #[arg(long)]
     pub list: bool,
-    /// Instead of a case: start and end again and again for so many seconds, and print the process's resources after each time, a JSON
-    /// object a line
+    /// Instead of a case: start and end repeatedly for this number of seconds, and print the resources of the process each time, one JSON
+    /// object per line
     #[arg(long, value_name = "SECONDS")]
     pub soak: Option<u64>,
-    /// Instead of a case: so many random sequences of calls, and print their results, a line each; for a single one, every call
+    /// Instead of a case: run this number of random call sequences, and print the result of each in a line; for a single one, every call
     #[arg(long, value_name = "COUNT")]
     pub sequences: Option<u64>,
-    /// The number of the first sequence
+    /// Number of the first sequence
     #[arg(long, default_value_t = 0)]
     pub first: u64,
-    /// Sequences of calls that the specification does not allow
+    /// Call sequences that break the specification
     #[arg(long)]
     pub hostile: bool,
-    /// Of a case: so many times one after the other in this process, each time with loaders, instances and devices anew; prints a
-    /// report after each
+    /// Run the case this number of times in one process, each time with new loaders, instances and devices, and print a report after
+    /// each
     #[arg(long, value_name = "COUNT", default_value_t = 1)]
     pub lives: u32,
-    /// Which extension connects OpenXR and Vulkan: XR_KHR_vulkan_enable (1) or XR_KHR_vulkan_enable2 (2)
+    /// Graphics extension: XR_KHR_vulkan_enable (1) or XR_KHR_vulkan_enable2 (2)
     #[arg(long, value_enum, default_value = "2")]
     pub enable: Enable,
-    /// The Vulkan version that the application asks for
+    /// Requested Vulkan version
     #[arg(long, value_enum, default_value = "1.1")]
     pub vulkan: VulkanVersion,
-    /// The OpenXR version that the application asks for; 1.1 needs a loader of that version
+    /// Requested OpenXR version; 1.1 needs a loader of that version
     #[arg(long, value_enum, default_value = "1.0")]
     pub openxr: OpenXrVersion,
     /// Create VkInstance and VkDevice before the XrInstance (needs --enable 1)
     #[arg(long)]
     pub vulkan_first: bool,
-    /// The name that the application gives to OpenXR
+    /// Application name for OpenXR
     #[arg(long, default_value = "parafovea-cases")]
     pub name: CString,
     /// A file whose lock (flock) is held around each vkQueueSubmit

@@ -1,10 +1,9 @@
 //! Quality in just objectionable differences (JOD) by FovVideoVDP: the published program, at the true gaze.
 //!
 //! Mantiuk et al., "FovVideoVDP: A visible difference predictor for wide field-of-view video", ACM Transactions on Graphics
-//! 40(4), 2021; [`PACKAGE`] on PyPI. 10 is no difference, and one less is what 75 % of people prefer the better one
+//! 40(4), 2021; pyfvvdp on PyPI. 10 is no difference, and one less is what 75 % of people prefer the better one
 //! against. Its licence is CC BY-NC 4.0: **not for commercial use**. It is neither part of this repository nor needed for
-//! anything else here: [`Fvvdp::install`] makes a Python environment of its own, which takes 6 GB (PyTorch), and
-//! [`Fvvdp::of`] takes one that is there.
+//! anything else here: [`Fvvdp::of`] takes the Python environment of the user.
 
 use crate::clip::{Clip, Eye, Viewing};
 use glam::Vec2;
@@ -13,15 +12,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The installed program.
-pub const PACKAGE: &str = "pyfvvdp==1.2.2";
-
-/// Its version: figures of different versions cannot be compared.
+/// Version of pyfvvdp: figures of different versions cannot be compared.
 pub const VERSION: &str = "1.2.2";
-
-/// Its description in `--help`.
-pub const NOTICE: &str = "FovVideoVDP (pyfvvdp 1.2.2, CC BY-NC 4.0: not for commercial use) in a Python environment of its \
-                          own; takes 6 GB and some minutes the first time, then about 0.2 s for a frame of 512 x 512";
 
 const SCRIPT: &str = include_str!("fvvdp.py");
 
@@ -122,22 +114,6 @@ struct Job {
 }
 
 impl Fvvdp {
-    /// The environment in `folder`, which is made if it is not there: by `python3 -m venv` (Python 3.9 or newer) and `pip`,
-    /// from PyPI or wherever pip's own settings say.
-    ///
-    /// # Errors
-    /// [`FvvdpError::Io`] and [`FvvdpError::Failed`].
-    pub fn install(folder: &Path) -> Result<Self, FvvdpError> {
-        let fvvdp = Self { python: folder.join("bin").join("python") };
-        if let Ok(complete) = Self::of(&fvvdp.python) {
-            return Ok(complete);
-        }
-        let folder = folder.as_os_str();
-        run(Command::new("python3").args(["-m", "venv"]).arg(folder), "making a Python environment")?;
-        run(Command::new(&fvvdp.python).args(["-m", "pip", "install", PACKAGE]), "installing pyfvvdp")?;
-        Ok(fvvdp)
-    }
-
     /// The environment of a Python interpreter that is there. Nothing is installed.
     ///
     /// # Errors

@@ -16,58 +16,58 @@ use parafovea_tests::measure::print_json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Speed against error of all techniques, and of alternatives without the layer: target/report/index.html, with the same as Markdown, CSV
-/// and SVG.
+/// Measure speed against error of all techniques, and of alternatives without the layer; write target/report/index.html, and the same as
+/// Markdown, CSV and SVG.
 #[derive(Parser)]
 #[command(name = "cargo dev report")]
 struct Arguments {
     /// 2 scenes, 6 techniques beside the application alone, 30 frames at 512 x 512: at most five minutes.
     #[arg(long)]
     quick: bool,
-    /// Every point of every sweep, in six scenes, where otherwise a choice of them is made that fits into an hour.
+    /// Every point of every sweep in six scenes, instead of a selection that takes an hour.
     #[arg(long, conflicts_with = "quick")]
     all: bool,
-    /// Also prints each figure as an object a line.
+    /// Also print each figure as a JSON object, one per line.
     #[arg(long)]
     json: bool,
-    /// Other scenes, apart by commas.
+    /// Scenes instead of the default ones, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',')]
     scenes: Vec<SceneName>,
-    /// Also two scenes that are made of this seed: a room and a street that nobody has tuned anything on.
+    /// Also two scenes generated from this seed, a room and a street: a test on scenes for which nothing was tuned.
     #[arg(long)]
     seed: Option<u32>,
-    /// Gaze scripts by which maps are judged, by the look of hardware rates.
+    /// Number of gaze scripts for the comparison by the look of hardware rates.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..100))]
     scripts: Option<u32>,
-    /// Other techniques, apart by commas; the application alone is always among them.
+    /// Techniques instead of the default ones, separated by commas; the application alone is always among them.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
-    /// How often each technique is timed.
+    /// Number of timed runs of each technique.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..100))]
     turns: Option<u64>,
-    /// Frames before those that count.
+    /// Number of frames before the measured ones.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..1000))]
     run_up: Option<u64>,
-    /// Frames that are timed, and at most so many are judged.
+    /// Number of timed frames, and the largest number of judged frames.
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..1000))]
     frames: Option<u64>,
-    /// Side of the timed pictures, pixels; those that are judged are at most as large.
+    /// Side of the timed images, in pixels; judged images are at most as large.
     #[arg(long, value_parser = clap::value_parser!(u32).range(64..8192))]
     size: Option<u32>,
-    /// Judges by JOD too, with this Python interpreter, which has pyfvvdp 1.2.2 (see tests/report/README.md). Its licence is CC BY-NC 4.0:
-    /// not for commercial use.
+    /// Also judge by JOD, with this Python interpreter, which has pyfvvdp 1.2.2 (see tests/report/README.md). The licence of pyfvvdp is
+    /// CC BY-NC 4.0: not for commercial use.
     #[arg(long, value_name = "PYTHON", conflicts_with = "from")]
     jod: Option<PathBuf>,
-    /// Only maps, by the look of hardware rates, beside render scales: nothing is timed.
+    /// Only the comparison by the look of hardware rates, and render scales, without times.
     #[arg(long, conflicts_with = "system_driver")]
     maps: bool,
-    /// On the system's GPU instead of lavapipe.
+    /// Use the system's GPU instead of lavapipe.
     #[arg(long)]
     system_driver: bool,
-    /// Keeps the results among the sources, as those of a GPU that others compare with.
+    /// Keep the results of this GPU in tests/gpu-results/, for comparisons with others.
     #[arg(long, requires = "system_driver")]
     keep: bool,
-    /// Measures nothing: makes the page of results that are in this file.
+    /// Make the page from the results in this file, without a measurement.
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
 }

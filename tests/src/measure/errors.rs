@@ -1,12 +1,10 @@
 //! How wrong the pictures are that a technique shows.
 
-use super::jod::worse_jod;
 use super::{Effort, Subject, Technique};
 use crate::HarnessError;
 use crate::run::Outcome;
 use crate::scenario::{Picture, Scenario, View};
 use parafovea_core::geometry::Fov;
-use parafovea_errors::fvvdp::Fvvdp;
 use parafovea_errors::{Eye, Frame, Judge, Report, Viewing};
 use parafovea_scene::scene::FRAMES_PER_SECOND;
 use parafovea_scene::script::WHITE_CD_M2;
@@ -14,17 +12,8 @@ use parafovea_scene::script::WHITE_CD_M2;
 /// Frames that are not judged at the start of a run: rates and colour ramp from nothing there.
 pub const RUN_UP: u64 = 10;
 
-/// How wrong one technique is.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Judged {
-    /// Errors by metric and ring.
-    pub report: Report,
-    /// FovVideoVDP's score of the worse eye, if it was requested: 10 is no difference, and 1 less is visible to three of four people.
-    pub jod: Option<f64>,
-}
-
 /// Shows `subject` with each of `techniques`, the first of which is the reference, and judges the eyes' images, after the runtime's
-/// compositor, around the true gaze. The results are in the order of the techniques behind the first, with JOD where `fvvdp` is there.
+/// compositor, around the true gaze. The results are in the order of the techniques behind the first.
 ///
 /// `progress` is told of every run before it is started.
 ///
@@ -34,9 +23,8 @@ pub fn errors(
     subject: &Subject,
     techniques: &[Technique],
     effort: Effort,
-    fvvdp: Option<&Fvvdp>,
     mut progress: impl FnMut(&str),
-) -> Result<Vec<Judged>, HarnessError> {
+) -> Result<Vec<Report>, HarnessError> {
     let scenario = with_pictures(subject.scenario(effort), effort);
     let mut show = |technique: &Technique| -> Result<Outcome, HarnessError> {
         progress(&format!("{}: {}, pictures", subject.name(), technique.name));
@@ -44,14 +32,7 @@ pub fn errors(
     };
     let Some((reference, others)) = techniques.split_first() else { return Ok(Vec::new()) };
     let reference = show(reference)?;
-    let judged = |technique| -> Result<Judged, HarnessError> {
-        let test = show(technique)?;
-        let report = judge(subject, &scenario, &reference, &test)?;
-        let run = |outcome| JudgedRun { subject, scenario: &scenario, outcome };
-        let jod = fvvdp.map(|fvvdp| worse_jod(fvvdp, run(&reference), run(&test))).transpose()?;
-        Ok(Judged { report, jod })
-    };
-    others.iter().map(judged).collect()
+    others.iter().map(|technique| judge(subject, &scenario, &reference, &show(technique)?)).collect()
 }
 
 /// The display: an sRGB one of 100 cd/m^2.

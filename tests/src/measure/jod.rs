@@ -34,15 +34,6 @@ pub fn jod_shaded(
     found(fvvdp, reference, [&before, &after], eye)
 }
 
-/// JOD of the worse eye.
-pub(super) fn worse_jod(fvvdp: &Fvvdp, reference: JudgedRun, test: JudgedRun) -> Result<f64, HarnessError> {
-    let mut worse = f64::INFINITY;
-    for eye in 0..test.scenario.views.len() {
-        worse = worse.min(jod(fvvdp, reference, test, eye)?.jod);
-    }
-    Ok(worse)
-}
-
 fn found(
     fvvdp: &Fvvdp,
     test: JudgedRun,

@@ -1,6 +1,7 @@
 //! Lines of results, for programs.
 
-use super::{Judged, Samples, Timing};
+use super::{Samples, Timing};
+use parafovea_errors::Report;
 use serde::Serialize;
 
 /// One figure.
@@ -91,7 +92,7 @@ fn rows_of(app: &str, timing: &Timing, baseline: &Timing) -> Vec<Row> {
 }
 
 /// Errors of a technique; rings and metrics without a value are left out.
-pub fn error_rows(app: &str, technique: &str, judged: &Judged) -> Vec<Row> {
+pub fn error_rows(app: &str, technique: &str, report: &Report) -> Vec<Row> {
     let row = |metric: String, unit, value| Row {
         bench: "frame",
         app: app.to_owned(),
@@ -101,14 +102,13 @@ pub fn error_rows(app: &str, technique: &str, judged: &Judged) -> Vec<Row> {
         unit,
         comparison: None,
     };
-    let both = judged.report.rows.iter().flat_map(|error| {
+    let both = report.rows.iter().flat_map(|error| {
         let name = |kind| format!("{} {kind} {}", error.metric.name(), error.ring);
         let mean = error.mean.map(|mean| row(name("mean"), error.unit, mean));
         let worst = error.worst_tile.map(|worst| row(name("worst tile"), error.unit, worst.value));
         [mean, worst]
     });
-    let jod = judged.jod.map(|jod| row("jod".to_owned(), "JOD", jod));
-    both.chain([jod]).flatten().collect()
+    both.flatten().collect()
 }
 
 /// One object a line.

@@ -1,7 +1,7 @@
 //! The figures of one subject as a table in Markdown.
 
-use super::{Judged, Timing};
-use parafovea_errors::{Metric, RING_NAMES, RINGS};
+use super::Timing;
+use parafovea_errors::{Metric, RING_NAMES, RINGS, Report};
 use std::fmt::{self, Display};
 
 /// Costs of techniques on one subject, and their errors.
@@ -11,7 +11,7 @@ pub struct Summary<'a> {
     /// The first is the baseline.
     pub timings: &'a [Timing],
     /// Of the techniques behind the first; empty where nothing was judged.
-    pub judged: &'a [Judged],
+    pub judged: &'a [Report],
 }
 
 /// Costs of the layer's techniques on a style of the zoo: rows of one table, a technique each.
@@ -67,12 +67,12 @@ impl Display for Summary<'_> {
         }
         let judged = !self.judged.is_empty();
         if judged {
-            write!(f, " JOD | FLIP |")?;
+            write!(f, " FLIP |")?;
             RING_NAMES.iter().try_for_each(|ring| write!(f, " {} {ring} |", BY_RING.name()))?;
             PERIPHERAL.iter().try_for_each(|metric| write!(f, " {} 10-20 |", metric.name()))?;
         }
         let timed = if on_gpu { 8 } else { 6 };
-        let columns = if judged { timed + 2 + RINGS + PERIPHERAL.len() } else { timed };
+        let columns = if judged { timed + 1 + RINGS + PERIPHERAL.len() } else { timed };
         writeln!(f, "\n|---|{}", "---:|".repeat(columns - 1))?;
         for (index, timing) in self.timings.iter().enumerate() {
             let ratio = timing.cpu_ms.ratio_to(&off.cpu_ms);
@@ -91,7 +91,7 @@ impl Display for Summary<'_> {
                 write!(f, " {:.3} | {:.3} ± {:.3} |", timing.gpu_ms.median(), ratio.value, ratio.spread)?;
             }
             match index.checked_sub(1).and_then(|index| self.judged.get(index)) {
-                Some(judged) => errors(f, judged)?,
+                Some(report) => errors(f, report)?,
                 None if judged => write!(f, "{}", " |".repeat(columns - timed))?,
                 None => {}
             }
@@ -101,11 +101,7 @@ impl Display for Summary<'_> {
     }
 }
 
-fn errors(f: &mut fmt::Formatter<'_>, Judged { report, jod }: &Judged) -> fmt::Result {
-    match jod {
-        Some(jod) => write!(f, " {jod:.2} |")?,
-        None => write!(f, " - |")?,
-    }
+fn errors(f: &mut fmt::Formatter<'_>, report: &Report) -> fmt::Result {
     // FLIP knows nothing of gaze: of the whole picture.
     let flip = (0..RINGS).map(|ring| report.row(Metric::Flip, ring));
     let (sum, pixels) = flip.fold((0.0, 0), |(sum, pixels), row| {

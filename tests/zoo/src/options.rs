@@ -4,9 +4,9 @@ use crate::look::{Coarsest, Look};
 use clap::Parser;
 use std::path::PathBuf;
 
-/// An OpenXR application in plain Vulkan that shows one scene in the style that is asked for.
+/// An OpenXR application in plain Vulkan that shows one scene in a selectable rendering style.
 ///
-/// Where the device cannot do what the style needs, it says "skipped: no device with ..." and exits with 0.
+/// If the device lacks a feature of the style, it prints "skipped: no device with ..." and exits with 0.
 #[derive(Parser, Clone, Debug)]
 #[command(name = "parafovea-zoo", version)]
 pub struct Options {
@@ -16,13 +16,13 @@ pub struct Options {
     /// Width and height of an eye buffer, in pixels
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub size: u32,
-    /// Frames after which it asks for the end of the session
+    /// Number of frames before it requests the end of the session
     #[arg(long, default_value_t = 120)]
     pub frames: u64,
-    /// Frame of the animation that is drawn first
+    /// First frame of the animation
     #[arg(long, default_value_t = 0)]
     pub first_frame: u64,
-    /// Of the style `random`: which frames it records
+    /// Seed of the style `random` and of sessions
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Work of the application between locating its views and drawing them, in microseconds of each frame: a loop over memory
@@ -31,39 +31,39 @@ pub struct Options {
     /// Attach and synchronise an action set, as applications with controllers do
     #[arg(long)]
     pub actions: bool,
-    /// For so many seconds sessions that show many styles, or the one of --style, at many sizes (--seed), and make and destroy all that each
-    /// needs
+    /// Run sessions for this number of seconds, in random styles, or in that of --style, at random sizes (--seed); each creates and destroys
+    /// all of its objects
     #[arg(long, value_name = "SECONDS")]
     pub churn: Option<u64>,
-    /// Print every render pass of every frame, one JSON object a line
+    /// Print every render pass of every frame, one JSON object per line
     #[arg(long)]
     pub passes: bool,
-    /// Set shading rates itself, by rate attachments whose maps are those that this file has for each pass of each frame: the
-    /// lines that the layer writes to PARAFOVEA_PASSES_FILE. Passes without a map are at 1x1
+    /// Set shading rates by rate attachments with the maps of this file, which the layer has written to PARAFOVEA_PASSES_FILE. Passes
+    /// without a map are at 1x1
     #[arg(long, value_name = "FILE")]
     pub native_map: Option<PathBuf>,
-    /// Shade as coarsely as this file has it, which is one as for --native-map, in shaders: how it looks on a device with shading rates
+    /// Emulate the look of shading rates in shaders, with the maps of this file, as for --native-map
     #[arg(long, value_name = "FILE", conflicts_with = "native_map")]
     pub look: Option<PathBuf>,
-    /// Coarsest fragments of draws whose shaders discard, with --look
+    /// Coarsest rate of draws with shaders that discard, with --look
     #[arg(long, value_enum, default_value = "4x4", requires = "look")]
     pub look_discarding: Coarsest,
-    /// Coarsest fragments of passes that blend a history, with --look
+    /// Coarsest rate of passes that blend a history, with --look
     #[arg(long, value_enum, default_value = "1x1", requires = "look")]
     pub look_history: Coarsest,
-    /// Draw the depth of discarding draws at 1x1 first, as pre-passes do, and colour at equal depth alone, with --look
+    /// Draw the depth of discarding draws first, at 1x1, as pre-passes do, and their colour with an EQUAL depth test, with --look
     #[arg(long, requires = "look")]
     pub look_prepass: bool,
-    /// Filter by the width of a pixel, as explicit gradients have it, not by that of a fragment, with --look
+    /// Filter textures by the width of a pixel, as with explicit gradients, not by that of a fragment, with --look
     #[arg(long, requires = "look")]
     pub look_pixel_filter: bool,
-    /// Print the devices, one JSON object a line
+    /// Print the devices, one JSON object per line
     #[arg(long)]
     pub devices: bool,
-    /// Print the shading rates of devices with VK_KHR_fragment_shading_rate, one JSON object a line
+    /// Print the shading rates of devices with VK_KHR_fragment_shading_rate, one JSON object per line
     #[arg(long)]
     pub shading_rates: bool,
-    /// Print the styles, one a line
+    /// Print the styles, one per line
     #[arg(long)]
     pub list: bool,
 }
