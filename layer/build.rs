@@ -91,11 +91,11 @@ const VARIANTS: [(&str, &str, &str); 1] = [("compose", "gpu", "PIXELS_READ_PARAM
 const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
 
-/// Where a kernel's three files are.
+/// Folders of a kernel's three files, and their extensions.
 const PLACES: [(&str, &str); 3] =
     [("layer/shaders", "wgsl"), ("core/src/kernels", "rs"), ("layer/src/kernels", "rs")];
 
-/// The stems, each of which must be there in all [`PLACES`].
+/// Stems of all kernels; each must exist in all [`PLACES`].
 fn complete_kernels(repository: &Path) -> Result<BTreeSet<String>, String> {
     let mut found = Vec::new();
     for (folder, extension) in PLACES {

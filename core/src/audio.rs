@@ -34,7 +34,7 @@ pub use trust::Continuity;
 
 use crate::range::within;
 
-/// How the window T_a is summed up (`audio.mode`).
+/// Summary of the window T_a (`audio.mode`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// The more careful choice: the lower loudness, and the higher frequency, of the last 400 ms (momentary, EBU Tech 3341)

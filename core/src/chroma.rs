@@ -20,7 +20,7 @@ pub use floor::{FLOOR_FREQUENCY_CPD, floor};
 pub use polynomials::Polynomials;
 pub use temporal_filter::{ChromaTemporalFilter, Focus};
 
-/// Which form of the model runs (`chroma.mode`; "off" is having no settings).
+/// Form of the model (`chroma.mode`). "off" is the absence of settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// With a plateau of full colour around the gaze, a soft rim, a floor that keeps large saturated fields visible,

@@ -1,8 +1,8 @@
-//! How colours are coded: luma weights and the sRGB transfer function.
+//! Coding of colours: luma weights and the sRGB transfer function.
 
 use glam::Vec3;
 
-/// Which primaries luminance is computed for (`chroma.matrix`).
+/// Primaries that luminance is computed for (`chroma.matrix`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Matrix {
     /// ITU-R BT.709, the primaries of sRGB.

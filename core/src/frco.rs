@@ -29,9 +29,9 @@ pub fn loss(band_sensitivity: [f32; BANDS], rate: ShadingRate) -> f32 {
     if loss.is_nan() { f32::INFINITY } else { loss }
 }
 
-/// How many half octaves of spatial frequency may go within the budget `alpha` (Eq. 17), 0..=4.
+/// Number of half octaves of spatial frequency that can be removed within the budget `alpha` (Eq. 17), 0..=4.
 ///
-/// What it means for a set of rates is in [`by_half_octaves`]. Without a branch, so that a loop over tiles runs on several at
+/// [`by_half_octaves`] gives the rate of a set for each number. Without a branch, so that a loop over tiles runs on several at
 /// a time. A loss equal to the budget is within it: a block without any contrast may lose all, even at `alpha` = 0.
 /// Negative, NaN and infinite `alpha` give 0.
 #[inline]
@@ -43,7 +43,7 @@ pub fn half_octaves_within(band_sensitivity: [f32; BANDS], alpha: f32) -> u8 {
     (half + one + three_halves + two) as u8
 }
 
-/// How many half octaves to remove where a sample is worth `price` in loss, 0..=4: as many as make loss and samples together cost least.
+/// Number of half octaves to remove where a sample is worth `price` in loss, 0..=4, with the least cost of loss and samples together.
 ///
 /// Tiles with one price lose least together of all maps that shade no more samples than theirs (Everett 1963): their marginal losses are equal.
 /// No tile loses more than the price, as it saves no more than all of its samples. Of several that cost the same the coarsest counts. Bad
@@ -62,7 +62,7 @@ pub fn half_octaves_at(band_sensitivity: [f32; BANDS], price: f32) -> u8 {
     best
 }
 
-/// How a budget is spent.
+/// Allocation of a budget to tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Allocation {
     /// Each tile may lose the budget: [`half_octaves_within`], paper A's Algorithm 2.
@@ -73,7 +73,7 @@ pub enum Allocation {
 }
 
 impl Allocation {
-    /// How many half octaves may go, 0..=4.
+    /// Number of half octaves to remove, 0..=4.
     #[inline]
     pub fn half_octaves(self, band_sensitivity: [f32; BANDS], budget: f32) -> u8 {
         match self {

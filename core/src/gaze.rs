@@ -29,8 +29,8 @@ use glam::{Quat, Vec2, Vec3};
 /// One answer of the eye tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeSample {
-    /// Where the left and the right eye look, in the view space common to both eyes (+x right, +y up, -z
-    /// forward), of any length. A direction that is zero or not finite says that this eye is not seen.
+    /// Gaze directions of the left and the right eye, in the view space common to both eyes (+x right, +y up, -z forward), of any
+    /// length. A direction that is zero or not finite means that this eye is not tracked.
     pub directions: [Vec3; 2],
     /// When the eyes looked there, nanoseconds on any one clock (XrTime).
     pub time_ns: i64,
@@ -58,24 +58,24 @@ pub enum GazePhase {
 /// The gaze as the models use it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeState {
-    /// Where each eye looks at the time asked for, left first, unit vectors in the space of [`GazeSample::directions`]:
-    /// on the way of a saccade or where it will have landed by then, the last known ones in a blink and when lost, straight ahead
-    /// (-z) before there were any. Both are the same where the source has one ray for both eyes: see [`Self::with_vergence`].
+    /// Gaze direction of each eye at the requested time, left first, unit vectors in the space of [`GazeSample::directions`]. In
+    /// a saccade: on its path, or at its landing point if it will have landed by then. In a blink and when lost: the last known
+    /// directions; -z (forward) before the first ones. Both are equal if the source has one ray for both eyes: see
+    /// [`Self::with_vergence`].
     pub directions: [Vec3; 2],
     /// The ray of the gaze, a unit vector, if `directions` are for an assumed distance ([`Self::with_nearest`]); the centre of areas around
     /// one point.
     pub ray: Option<Vec3>,
     /// Speed at which the gaze turns in the world, degrees a second, 0..=1000; 0 while not seen.
     pub velocity_deg_s: f32,
-    /// How far the eyes may be from `directions`, degrees, where these are a prediction: the landing of a saccade, or where a
-    /// pursuit leads to.
+    /// Uncertainty of `directions` that are a prediction, degrees: of a saccade's landing, or of a pursuit's extrapolation.
     pub prediction_error_deg: Option<f32>,
     /// Phase of the gaze.
     pub phase: GazePhase,
     /// Whether changes of the picture go unnoticed ([`GazeSettings::post_saccade_ms`]): from the second sample of a saccade
     /// on, for that time beyond its landing, by the timestamps of the samples, not of their arrival.
     pub is_suppressed: bool,
-    /// How far the directions may be relied on: 1 tracked .. 0 lost. Ramps, so that what follows it never jumps.
+    /// Reliability of the directions: 1 tracked .. 0 lost. It ramps, so that values derived from it never jump.
     pub trust: f32,
 }
 
@@ -106,8 +106,8 @@ impl GazeState {
         self.is_suppressed || matches!(self.phase, GazePhase::Fixation | GazePhase::Pursuit)
     }
 
-    /// How far the eyes may be from [`Self::directions`] because they move, degrees: velocity * latency, where `latency_s` is
-    /// the time from the eye to the image; where the directions are a prediction, no more than the error of that.
+    /// Uncertainty of [`Self::directions`] from motion of the eyes, degrees: velocity * latency, where `latency_s` is the time from
+    /// the eye to the image. For directions that are a prediction, at most the error of the prediction.
     pub fn motion_deg(&self, latency_s: f32) -> f32 {
         let moved = self.velocity_deg_s * latency_s;
         match self.prediction_error_deg {
@@ -141,9 +141,9 @@ impl GazeState {
         Self { directions: eye_directions(left, eyes_m, Some(distance_m)), ..self }
     }
 
-    /// Where each eye's direction meets the plane one unit ahead of its view (x to the right, y up). `orientations` are
-    /// from each view's space to the common one, so that canted views need no special case. Nothing for a direction
-    /// 89 degrees or more from where the view looks, or an orientation that is none.
+    /// Intersections of the gaze directions with the plane one unit ahead of each eye's view (x to the right, y up).
+    /// `orientations` are from each view's space to the common one, so that canted views need no special case. `None` for a
+    /// direction 89 degrees or more from the axis of the view, or for an orientation that is no rotation.
     pub fn tangent_points(&self, orientations: [Quat; 2]) -> [Option<Vec2>; 2] {
         [0, 1].map(|eye| {
             let seen = rotation(orientations[eye])?.inverse() * self.directions[eye];

@@ -80,7 +80,7 @@ impl FovTangents {
 /// An image as a rectangle on the plane z = -1 of view space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImagePlane {
-    /// Where the outer corner of pixel (0, 0) lies.
+    /// Position of the outer corner of pixel (0, 0).
     pub origin: Vec2,
     /// From one pixel to the next, to the right and downwards (so y is negative in an upright view).
     pub step: Vec2,

@@ -1,5 +1,5 @@
-//! How parameters are laid out for the GPU: each struct lists its fields, and the layer's build compares the
-//! list with the shader's own struct, so that the two cannot drift apart.
+//! Layout of parameters for the GPU: each struct lists its fields, and the layer's build compares the list with the shader's own
+//! struct, so that the two cannot drift apart.
 
 /// One field of a parameter struct: its name in Rust and in WGSL, and where it lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

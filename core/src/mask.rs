@@ -1,16 +1,16 @@
-//! Which pixels are skipped on devices without shading rates: the plan's rates as blocks that are shaded or left out.
+//! Mask of skipped pixels on devices without shading rates: the plan's rates as blocks that are shaded or left out.
 //!
 //! A picture is divided into blocks of [`BLOCK`] x [`BLOCK`] pixels, counted from its corner: a rasteriser in software
 //! shades eight pixels at a time, and a GPU two by two, so that single pixels save nothing. In a tile whose rate shades
-//! a fraction f of the pixels, a fraction f of the blocks is shaded, with the [`pattern`] of that fraction; what is
-//! left out is filled in afterwards by [`crate::kernels::fill`] from the nearest shaded blocks around, which a
+//! a fraction f of the pixels, a fraction f of the blocks is shaded, with the [`pattern`] of that fraction. The other
+//! blocks are filled afterwards by [`crate::kernels::fill`] from the nearest shaded blocks around, which a
 //! [`SkipList`] names for each skipped block.
 //!
 //! Where a whole tile is to be left out, because it is shown from an earlier frame ([`STALE`]), all of its blocks are skipped,
 //! and not filled.
 //!
 //! Else a block is skipped only where it lies wholly inside of one view, and has a shaded block of that view within
-//! [`REACH`]: what is outside of all views is shaded, and nothing is ever interpolated across two views.
+//! [`REACH`]: blocks outside of all views are shaded, and nothing is ever interpolated across two views.
 
 mod depth;
 mod early_return;
@@ -50,7 +50,7 @@ pub struct TileRates<'a> {
     pub texel: [u32; 2],
     /// Column and row of the first tile that there is a rate of.
     pub first: [u32; 2],
-    /// How many columns there are.
+    /// Number of columns.
     pub columns: u32,
     /// [`ShadingRate::texel`] of each tile, with [`STALE`] where it is left out, row by row; beyond them, and where a byte is no rate, every pixel is shaded.
     pub rates: &'a [u8],
@@ -151,13 +151,13 @@ impl<'a> MaskView<'a> {
     }
 }
 
-/// Which blocks of a picture are skipped, and from where they are filled. Kept, so that a frame allocates nothing.
+/// Skipped blocks of a picture, with the sources that they are filled from. Kept, so that a frame allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Mask {
     extent: [u32; 2],
     layers: Vec<Plane<bool>>,
     list: SkipList,
-    /// How many blocks are skipped and not filled.
+    /// Number of blocks that are skipped and not filled.
     left_out: usize,
     patterns: PatternSources,
     /// Of [`SourceFinder`].

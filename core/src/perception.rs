@@ -32,7 +32,7 @@ pub struct ContrastMap {
     pub tiles: Plane<TileContrast>,
 }
 
-/// Which frequency stands for a band, where sensitivity is asked for.
+/// Frequency at which the sensitivity to a band is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BandFrequencies {
     /// Nyquist * 2^-(i + 1): where the bands of this pyramid respond. Band 1 peaks at 0.46 of Nyquist * 2^-1, later

@@ -1,8 +1,7 @@
-//! Which parts of a picture are not rendered anew but re-used from earlier pictures, and where they lie there.
+//! Parts of an image that are re-used from earlier images instead of rendered, and their positions there.
 //!
-//! [`StaleTiles`] says which tiles of a picture were not rendered. One is taken from an earlier picture in which what it shows
-//! was rendered ([`Reuse`]), so that nothing is ever sampled from what was itself re-used. [`TileLists`] sorts tiles by where
-//! they are taken from.
+//! [`StaleTiles`] are the tiles of an image that were not rendered. Each is taken from an earlier image in which its content was
+//! rendered ([`Reuse`]), so that re-used pixels are never sampled again. [`TileLists`] sorts tiles by their source.
 
 pub(crate) mod bits;
 mod compared;

@@ -1,8 +1,8 @@
-//! Which parts of the picture are rendered anew in a frame (paper B, "Evaluating Foveated Frame Rate Reduction in
-//! Virtual Reality for Head-Mounted Displays").
+//! Parts of the image that are rendered in a frame (paper B, "Evaluating Foveated Frame Rate Reduction in Virtual Reality for
+//! Head-Mounted Displays").
 //!
-//! [`Regions`] around the gaze are rendered in one of f frames each, as an [`UpdateConfiguration`] says, limited
-//! by [`cap`]; [`Phase`] says in which ones.
+//! Each of the [`Regions`] around the gaze is rendered in one of f frames, by an [`UpdateConfiguration`], limited
+//! by [`cap`]; [`Phase`] selects the frames.
 
 mod activity;
 mod ages;
@@ -41,9 +41,9 @@ pub enum Phase {
 /// eyes see a direction at the same age, whatever their images' tiles are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Schedule {
-    /// Where the regions end.
+    /// Boundaries of the regions.
     pub regions: Regions,
-    /// How often each is rendered.
+    /// Update period of each region.
     pub configuration: UpdateConfiguration,
     /// In which frames.
     pub phase: Phase,

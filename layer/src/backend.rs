@@ -25,10 +25,10 @@ pub trait Backend: Send + Sync {
 /// The map of rates of a candidate, on the GPU. Its memory and images are destroyed when it is dropped, which happens when
 /// the GPU is done with them, and before the device is destroyed.
 pub trait RateMap: Any + Send + Sync {
-    /// How many texels it has.
+    /// Number and size of its texels.
     fn size(&self) -> MapSize;
 
-    /// How many bytes [`Self::stage`] writes; 0 where there is nothing yet that could read them.
+    /// Number of bytes that [`Self::stage`] writes; 0 if nothing can read them yet.
     fn staging_len(&self) -> usize {
         self.size().texel_count()
     }
@@ -76,16 +76,16 @@ pub enum MapForm {
     Mask(Arc<dyn MaskOutput>),
 }
 
-/// Where a map is uploaded from.
+/// Source of a map's upload.
 #[derive(Debug, Clone, Copy)]
 pub struct Upload {
     /// The command buffer that is recorded.
     pub commands: vk::CommandBuffer,
     /// The buffer that [`RateMap::stage`] wrote to.
     pub staging: vk::Buffer,
-    /// Where in it, a multiple of 16.
+    /// Offset in the buffer, bytes; a multiple of 16.
     pub offset: vk::DeviceSize,
-    /// How many bytes it wrote.
+    /// Number of bytes that it wrote.
     pub len: usize,
 }
 

@@ -62,7 +62,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use submit_times::{SubmitTime, SubmitTimes};
 
-/// How many submits of ours may be under way before the next one waits.
+/// Number of our submits that may be in flight before the next one waits.
 pub(crate) const SUBMITS_IN_FLIGHT: usize = 3;
 
 /// One device of the application, with the queue that our work goes to, if it goes to one of its own.

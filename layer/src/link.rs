@@ -1,9 +1,9 @@
-//! Where the OpenXR half and the Vulkan half meet: a versioned C table.
+//! Interface between the OpenXR half and the Vulkan half: a versioned C table.
 //!
 //! The halves may be loaded from different paths, or as two copies with separate globals (containers), so
 //! the OpenXR half never looks into the Vulkan half's memory. It asks the application's own Vulkan loader,
-//! `vkGetDeviceProcAddr(device, "vkGetParafoveaLink")`, which only our Vulkan layer answers, and gets a
-//! [`LinkTable`] of whichever copy sits in that device's chain.
+//! `vkGetDeviceProcAddr(device, "vkGetParafoveaLink")`, which only our Vulkan layer answers, and gets the
+//! [`LinkTable`] of the copy in that device's chain.
 
 mod records;
 

@@ -1,7 +1,7 @@
-//! Which of the application's passes make the picture of an eye.
+//! Detection of the application's passes that make an eye buffer.
 //!
-//! The Vulkan half writes down what submitted command buffers do as [`Event`]s; at xrEndFrame the OpenXR half says what
-//! the application [`Shown`]. From both, recognition works out which targets are the scene, and of which eye.
+//! The Vulkan half records the work of submitted command buffers as [`Event`]s; at xrEndFrame the OpenXR half reports the
+//! submission as [`Shown`]. From both, recognition finds the targets that are the scene, and the eye of each.
 
 mod event;
 mod eye_passes;

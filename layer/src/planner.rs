@@ -64,7 +64,7 @@ pub struct Planning {
     /// Frames went by without anything to plan.
     was_idle: bool,
     last: Option<Last>,
-    /// How the views of the newest plan are turned in the world.
+    /// Orientations in the world of the views of the newest plan.
     orientations: [Quat; 2],
     uploaded: UploadedPlan,
     /// The techniques in the uploaded maps.
@@ -195,7 +195,7 @@ impl Planning {
         rejection.filter(|_| !std::mem::replace(&mut self.rejected[place], true))
     }
 
-    /// How the head is turned at `time_ns` in a space that rests in the world; `None` if that is not the newest time of [`Self::look`].
+    /// Orientation of the head at `time_ns` in a space that rests in the world; `None` if that is not the newest time of [`Self::look`].
     pub fn head_at(&self, time_ns: i64) -> Option<Quat> {
         self.head.filter(|(known_ns, _)| *known_ns == time_ns).map(|(_, head)| head)
     }
@@ -322,7 +322,7 @@ impl Planning {
         self.uploaded.stale(eye, tiles);
     }
 
-    /// Where an eye keeps colour by the newest plan, in the space of the head.
+    /// Region in which the newest plan keeps an eye's colour, in the space of the head, and the settings of chroma attenuation.
     pub fn focus(&self, eye: usize) -> Option<(Focus, ChromaSettings)> {
         let plan = self.planner.as_ref()?.newest();
         let focus = plan.eyes[eye].focus?;
@@ -370,8 +370,8 @@ impl Planning {
 /// The gaze of `gaze.source = "centre"`.
 const STRAIGHT_AHEAD: GazeState = GazeState { phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST };
 
-/// The same for the plan: rings are around the axes of the lenses; contrast and colour are judged by the angle from straight ahead, where the
-/// eyes rest. `orientations` lead from the views to the head.
+/// The same for the plan: rings are around the axes of the lenses; contrast and colour are judged by the angle from the centre of the
+/// view, where the eyes rest. `orientations` lead from the views to the head.
 fn fixed_gaze(settings: &PlanSettings, orientations: [Quat; 2]) -> GazeState {
     let directions = match &settings.rates {
         RateSettings::Fixed(rings) => rings.lens_centres(orientations),

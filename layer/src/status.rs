@@ -31,7 +31,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, sleep};
 use std::time::Duration;
 
-/// How long before the file is written the application's thread is asked: some frames.
+/// Time between the request to the application's thread and the write of the file: some frames.
 const ASKED_BEFORE: Duration = Duration::from_millis(100);
 
 /// Tells of one session until it is dropped.

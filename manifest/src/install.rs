@@ -21,12 +21,12 @@ use std::path::{Path, PathBuf};
 /// The library's file name.
 pub const LIBRARY_NAME: &str = "libparafovea.so";
 
-/// Where below `data` (`$XDG_DATA_HOME`) the library is installed.
+/// Path of the installed library below `data` (`$XDG_DATA_HOME`).
 pub fn library_path(data: &Path) -> PathBuf {
     data.join("parafovea").join(LIBRARY_NAME)
 }
 
-/// Where below `data` (`$XDG_DATA_HOME`) the library that listens is installed: beside the layer's, which loads it.
+/// Path of the installed audio library below `data` (`$XDG_DATA_HOME`): beside the layer's library, which loads it.
 pub fn audio_library_path(data: &Path) -> PathBuf {
     library_path(data).with_file_name(AUDIO_LIBRARY_NAME)
 }

@@ -29,12 +29,12 @@ pub enum Half {
     Vulkan,
 }
 
-/// How a layer comes to be loaded.
+/// Activation of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Activation {
     /// By itself, where [`ENABLE_VARIABLE`] is set and [`DISABLE_VARIABLE`] is not.
     Implicit,
-    /// Where an application, or a variable of the loader, names it.
+    /// By its name, in an application or a variable of the loader.
     Explicit,
 }
 
@@ -59,8 +59,7 @@ impl Half {
         }
     }
 
-    /// Where below a data directory (`$XDG_DATA_HOME`, one of `$XDG_DATA_DIRS`) the loader looks for the
-    /// implicit manifest.
+    /// Path of the implicit manifest below a data directory (`$XDG_DATA_HOME`, one of `$XDG_DATA_DIRS`), for the loader.
     pub fn manifest_path(self, data: &Path) -> PathBuf {
         data.join(match self {
             Self::OpenXr => "openxr/1/api_layers/implicit.d/parafovea.json",

@@ -1,4 +1,4 @@
-//! Where files are: the XDG base directories, from an environment that the caller hands in.
+//! Locations of files: the XDG base directories, from an environment that the caller passes.
 //!
 //! Source: XDG Base Directory Specification 0.8.
 
@@ -84,7 +84,7 @@ impl Environment {
         self.quirks.as_deref().unwrap_or_default().to_string_lossy()
     }
 
-    /// Where the log of `executable` (its path or its name) goes: `$XDG_STATE_HOME/parafovea/<name>.log`.
+    /// Path of the log of `executable` (its path or its name): `$XDG_STATE_HOME/parafovea/<name>.log`.
     pub fn log_file(&self, executable: &Path) -> Option<PathBuf> {
         let name = executable.file_name().and_then(file_stem)?;
         Some(self.state_home()?.join("parafovea").join(format!("{name}.log")))

@@ -25,7 +25,7 @@ pub struct Quirk {
     pub fixed_in: Option<[u32; 3]>,
     /// The layer's answer.
     pub effect: Effect,
-    /// Where this is known from.
+    /// Source of the information.
     pub source: &'static str,
 }
 

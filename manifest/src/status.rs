@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 /// A status that was not written for longer than this, seconds, is of an application that ended, or hangs.
 pub const FRESH_S: u64 = 5;
 
-/// How often the layer writes, seconds.
+/// Interval at which the layer writes the status, seconds.
 pub const EVERY_S: u64 = 1;
 
 /// Status of an application's session.
@@ -48,7 +48,7 @@ pub struct Status {
     pub frames: u64,
     /// Frames a second, Hz; 0: not known.
     pub frame_rate_hz: f32,
-    /// How shading becomes coarser: "rate attachment", "mask" or "none".
+    /// Technique of coarser shading: "rate attachment", "mask" or "none".
     pub backend: String,
     /// Passes that had coarser rates, or parts left out, in the last frame.
     pub passes_matched: u32,
@@ -143,17 +143,17 @@ pub struct Settings {
     pub has_error: bool,
 }
 
-/// Where the gaze comes from, and how good it is: numbers about the signal, from which no direction follows.
+/// Source and quality of the gaze: numbers about the signal, from which no direction follows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Gaze {
     /// `gaze.source`.
     pub source: String,
-    /// Which source had the last frame's gaze: "eyes", "osc", "file" or "centre".
+    /// Source of the last frame's gaze: "eyes", "osc", "file" or "centre".
     pub holder: String,
     /// Whether there was one in the last frame.
     pub is_valid: bool,
-    /// How old the last one was when that frame was shown, milliseconds; `None`: there was none, or it is straight ahead.
+    /// Age of the last gaze when that frame was displayed, milliseconds; `None`: there was none, or it is the centre of the view.
     pub age_ms: Option<f32>,
     /// Samples a second, Hz; `None`: not known.
     pub rate_hz: Option<f32>,
@@ -170,8 +170,8 @@ pub struct Gaze {
     /// Time from the eye to the display of a frame that is planned when its OSC packet arrives, milliseconds, by the runtime's eye tracker;
     /// `None`: not known.
     pub packet_delay_ms: Option<f32>,
-    /// How far the mean gaze of the last two minutes is from that of the session's first five, degrees; `None`: not known, or no farther than by
-    /// chance.
+    /// Angle between the mean gaze of the last two minutes and that of the session's first five, degrees; `None`: not known, or no larger than
+    /// by chance.
     pub drift_deg: Option<f32>,
     /// OSC packets.
     pub osc: Osc,
@@ -201,7 +201,7 @@ pub struct Osc {
     pub floods: u64,
 }
 
-/// Where the sound comes from.
+/// Source of the sound.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Sound {
@@ -244,7 +244,7 @@ pub struct View {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Gate {
-    /// Who decides: "auto", "on" or "off".
+    /// Mode of the decision: "auto", "on" or "off".
     pub mode: String,
     /// Whether the technique stays; false where it was dropped.
     pub is_kept: bool,

@@ -27,7 +27,7 @@ const SEEN: u64 = REST - 16;
 const AFTER: u64 = 16;
 /// Frames of the table, counted from the step.
 const SHOWN: [u64; 6] = [0, 1, 2, 4, 8, 15];
-/// How high the eyes look before and after the step, degrees.
+/// Elevation of the gaze before and after the step, degrees.
 const HEIGHTS: [f32; 2] = [3.0, -2.0];
 /// The new place, degrees around the gaze.
 const PLACE_DEG: f32 = 10.0;
@@ -46,9 +46,9 @@ fn main() -> ExitCode {
 struct Request {
     size: u32,
     styles: Vec<String>,
-    /// How far the eyes step to the left, degrees.
+    /// Step of the gaze to the left, degrees.
     step: f32,
-    /// Where pictures of the rest are kept.
+    /// Folder for the images of the rest; None to discard them.
     keep: Option<PathBuf>,
 }
 
@@ -202,7 +202,7 @@ impl Request {
         Ok(Run::new(&Application::ours("parafovea-zoo", &arguments)?, &scenario).layer(LayerMode::Off))
     }
 
-    /// Where the eyes rest, and where they step: degrees to the left and upwards.
+    /// Gaze directions before and after the step: degrees to the left and upwards.
     fn gazes(&self) -> [[f32; 2]; 2] {
         [[-0.5 * self.step, HEIGHTS[0]], [0.5 * self.step, HEIGHTS[1]]]
     }

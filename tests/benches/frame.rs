@@ -82,7 +82,7 @@ struct Request {
     run_up: Option<u64>,
     /// No frames: no errors.
     judged: Effort,
-    /// How fast the head turns, degrees a second, instead of as in the script.
+    /// Angular velocity of the head, degrees a second; None: the head motion of the script.
     head_deg_per_s: Option<f32>,
     driver: Driver,
     /// Another build of the layer: its name and its library.

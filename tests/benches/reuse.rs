@@ -42,7 +42,7 @@ struct Request {
     /// Whether the head moves, and does not turn.
     has_moves: bool,
     scene: String,
-    /// How fast the scene moves, where 1 is as fast as it is meant.
+    /// Speeds of the scene relative to its normal speed.
     paces: Vec<f64>,
     /// Whether the eyes move.
     has_gaze: bool,
@@ -188,7 +188,7 @@ impl Request {
         Ok(judge.finish())
     }
 
-    /// Where the eyes look in a frame, in the space of the views.
+    /// Direction of the gaze in a frame, in the space of the views.
     fn gaze(&self, frame: u64) -> Vec3 {
         if !self.has_gaze {
             return Vec3::NEG_Z;

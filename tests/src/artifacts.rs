@@ -1,4 +1,4 @@
-//! Where cargo put the libraries and programs of this workspace: beside the running test, bench or program.
+//! Location of this workspace's libraries and programs as built by cargo: beside the running test, bench or program.
 
 use crate::HarnessError;
 use std::path::{Path, PathBuf};

@@ -35,7 +35,7 @@ impl Point {
     }
 }
 
-/// Where the ratio crosses 1.
+/// Cost of a pixel at which the ratio crosses 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BreakEven {
     /// The layer gains from this cost of a pixel on, nanoseconds.

@@ -31,12 +31,12 @@ const MOST_RATIO: f64 = 1.25;
 /// Allowed growth of the process's memory beyond that of the process without the layer, bytes: as in `cargo dev soak`.
 const MOST_RESIDENT: i64 = 4 << 20;
 
-/// How the device looks to a run.
+/// Backend that the device offers to a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// As it is: masks.
+    /// The device unchanged: masks.
     Mask,
-    /// As if it had shading rates.
+    /// The device with shading rates of a stand-in.
     Attachment,
 }
 
@@ -114,7 +114,7 @@ fn at_rest(outcome: &Outcome) -> Result<Vec<LiveObjects>, HarnessError> {
 
 /// Counts of two runs at rest, after each session.
 pub struct Churn {
-    /// How the device looked.
+    /// Backend of both runs.
     pub backend: Backend,
     /// Without the layer.
     pub off: Vec<LiveObjects>,
@@ -207,7 +207,7 @@ impl Churn {
         table + "\n"
     }
 
-    /// What grew beyond its bound, from the second part to the last; empty if nothing did.
+    /// Quantities that grew beyond their bounds from the second part to the last; empty if none did.
     pub fn growth(&self) -> Vec<String> {
         let (on, off) = (windows(&self.on), windows(&self.off));
         let ([_, first, .., last], [_, off_first, .., off_last]) = (&on[..], &off[..]) else {

@@ -29,11 +29,11 @@ pub fn psnr_db(a: &Picture, b: &Picture, selected: impl Fn(u32, u32) -> bool) ->
     if sum == 0.0 { f64::INFINITY } else { 10.0 * (255.0_f64.powi(2) * count / sum).log10() }
 }
 
-/// How much of `before`'s colour `after` keeps: 1 for all of it, 0 for grey.
+/// Share of the chroma of `before` that `after` keeps: 1 for all of it, 0 for grey.
 ///
 /// The sum of chroma magnitudes after over that before. A pixel's chroma magnitude is sqrt(Cb^2 + Cr^2) in
-/// linear-light YCbCr with the weights of ITU-R BT.709, which is what the attenuation scales. `before` without
-/// any colour keeps all of it.
+/// linear-light YCbCr with the weights of ITU-R BT.709; the attenuation scales this magnitude. The share is 1 if
+/// `before` has no colour.
 pub fn chroma_kept(before: &Picture, after: &Picture, selected: impl Fn(u32, u32) -> bool) -> f64 {
     let (mut had, mut has) = (0.0, 0.0);
     for (before, after) in pairs(before, after, selected) {

@@ -1,4 +1,4 @@
-//! How far pictures with coarse shading are from those without: around a gaze, and by maps that a rule changes.
+//! Differences of images with coarse shading from those without: around a gaze, and for maps that a rule changes.
 
 use crate::HarnessError;
 use crate::picture::Picture;
@@ -22,7 +22,7 @@ pub struct View {
 struct Pixel {
     /// Angle from the gaze, degrees.
     eccentricity_deg: f32,
-    /// How much of the change is seen, just noticeable differences.
+    /// Visibility of the change, just-noticeable differences.
     jnd: f32,
     /// The squared difference, in the mean of the colours, code values.
     squared: f32,

@@ -11,11 +11,11 @@ use std::fmt::{self, Display};
 /// A driver, and the device that applications have with it.
 #[derive(Clone, Debug)]
 pub struct Machine {
-    /// How the device is found.
+    /// Vulkan driver of the device.
     pub driver: Driver,
     /// Its properties.
     pub device: Device,
-    /// The device that the stand-in for shading rates makes of it; none: it is as it is.
+    /// Profile of the stand-in for shading rates; None for the device without one.
     pub stand_in: Option<ShadingRateProfile>,
 }
 

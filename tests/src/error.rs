@@ -12,7 +12,7 @@ pub enum HarnessError {
     NotBuilt {
         /// File name.
         name: String,
-        /// Where it was looked for.
+        /// Folder that was searched.
         folder: PathBuf,
     },
     /// A program of the system is not in `PATH`.
@@ -59,7 +59,7 @@ pub enum HarnessError {
     /// The application did not meet the measurement's needs; its output says more.
     #[error("{application}: {reason}\n{output}")]
     Application {
-        /// Which one.
+        /// Name of the application.
         application: String,
         /// The expectation.
         reason: String,

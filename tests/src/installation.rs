@@ -15,7 +15,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Which halves of the layer are installed, and from which files.
+/// Installed halves of the layer, with the libraries of their manifests.
 #[derive(Clone, Default, Debug)]
 pub struct Halves {
     /// The library that the OpenXR manifest names.

@@ -16,10 +16,10 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// How long something is waited for on a machine that does much else.
+/// Longest wait for an event on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(90);
 
-/// How often the status is read.
+/// Interval between reads of the status.
 const POLL: Duration = Duration::from_millis(100);
 
 /// Of an eye tracker of 100 Hz.

@@ -46,10 +46,10 @@ pub struct Length {
     pub size: u32,
 }
 
-/// Who sets rates.
+/// Source of the shading rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rates<'a> {
-    /// Nobody: the application alone.
+    /// The application alone.
     None,
     /// The layer.
     Layer,

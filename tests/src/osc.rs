@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Where the eyes look, degrees to the left and upwards.
+/// Direction of the gaze, degrees to the left and upwards.
 pub const LOOK: [f32; 2] = [-18.0, 9.0];
 
 /// A port that nobody has at this moment.
@@ -46,7 +46,7 @@ pub fn bundle(messages: &[Vec<u8>]) -> Vec<u8> {
 pub struct Format {
     /// Its name for people.
     pub name: &'static str,
-    /// Whose it is, as the status says.
+    /// Name of the format in the layer's status.
     pub status: &'static str,
     /// Packets for a gaze, degrees to the left and upwards.
     pub packets: fn([f32; 2]) -> Vec<Vec<u8>>,

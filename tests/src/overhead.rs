@@ -52,14 +52,14 @@ impl Case {
     }
 }
 
-/// How much is measured.
+/// Amount of measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// How often all cases have their turn.
+    /// Number of turns of each case.
     pub turns: usize,
     /// Frames of hello_xr in each turn.
     pub frames: u64,
-    /// How often the draws are recorded and submitted in each turn.
+    /// Number of times that the draws are recorded and submitted in each turn.
     pub rounds: u32,
 }
 
@@ -118,7 +118,7 @@ pub fn hello_xr(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
 const DRAWS: u32 = 10_000;
 const PASSES: u32 = 50;
 
-/// How [`recording`] records: the name in the results, and the arguments for it.
+/// Recording styles of [`recording`]: the name in the results, and the arguments.
 const OPENXR: &str = "--openxr";
 const STYLES: [(&str, &[&str]); 4] = [
     ("render-pass", &["--style", "render-pass"]),

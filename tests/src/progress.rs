@@ -1,4 +1,4 @@
-//! How far along the work is, and how long it will still take.
+//! Progress of the work, and an estimate of the time left.
 
 use std::time::Instant;
 

@@ -48,7 +48,7 @@ pub struct Frame {
     /// The head then, in the LOCAL space.
     #[serde(default)]
     pub head: HeadPose,
-    /// How often the gaze was located since the frame before, and was there.
+    /// Number of times since the previous frame that the gaze was located and available.
     #[serde(default)]
     pub gaze_reads: u32,
     /// The composition layers that were submitted.
@@ -56,7 +56,7 @@ pub struct Frame {
     pub layers: Vec<serde_json::Value>,
 }
 
-/// How the head was.
+/// Orientation of the head.
 #[derive(Clone, Copy, PartialEq, Debug, Default, Deserialize)]
 pub struct HeadPose {
     /// A unit quaternion: x, y, z, w.

@@ -28,7 +28,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// How the layer is there.
+/// Installation and activation of the layer in a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum LayerMode {
     /// Not installed.
@@ -224,7 +224,7 @@ impl Run {
         self.test_layer(TestLayer::ShadingRate).env(SHADING_RATE_PROFILE_VARIABLE, profile.name())
     }
 
-    /// Where it is `wanted`, gives the device a second queue if it has one only, below all else.
+    /// If `wanted`, gives a device with only one queue a second one, below all other layers.
     pub fn two_queues(mut self, wanted: bool) -> Self {
         self.two_queues = wanted;
         self
@@ -348,23 +348,23 @@ fn link_with_ears(folder: &Path) -> Result<PathBuf, HarnessError> {
 /// Read by a layer with debug assertions: its pipelines are compiled where they are asked for.
 const COMPILE_AT_ONCE_VARIABLE: &str = "PARAFOVEA_COMPILE_AT_ONCE";
 
-/// Where the counting layer writes.
+/// Output file of the counting layer.
 const COUNT_FILE: &str = "count.jsonl";
 
-/// Where the layer that counts samples writes.
+/// Output file of the layer that counts samples.
 const SAMPLES_FILE: &str = "samples.jsonl";
 
-/// Where the layer that makes calls fail writes.
+/// Output file of the layer that makes calls fail.
 const FAULT_FILE: &str = "faults.jsonl";
 
-/// Where the layer that counts live objects writes.
+/// Output file of the layer that counts live objects.
 const LIVE_FILE: &str = "live.jsonl";
 
-/// Where the layer that times command buffers writes.
+/// Output file of the layer that times command buffers.
 const TIMES_FILE: &str = "times.jsonl";
 
-/// Where the layer that plants costs writes.
+/// Output file of the layer that plants costs.
 const COSTS_FILE: &str = "costs.jsonl";
 
-/// Where the layer that stands in for shading rates writes, in the run's folder.
+/// Output file of the layer that stands in for shading rates, in the run's folder.
 const SHADING_RATE_FILE: &str = "shading_rates.jsonl";

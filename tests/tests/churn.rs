@@ -6,7 +6,7 @@ use std::time::Duration;
 /// Sessions go on for so long, and each to its end.
 const TIME: Duration = Duration::from_secs(8);
 
-/// Where nothing of the application is left but its device, the layer has its kernels, and what all sessions share.
+/// If only the device of the application is left, the layer has only its kernels and the resources shared by all sessions.
 fn leaves_nothing(backend: Backend) {
     let churn = churn(backend, TIME, 1, None).unwrap();
     assert!(!churn.on.is_empty() && !churn.off.is_empty());

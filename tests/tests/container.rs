@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 /// Shell script that runs a command with a read-only `/usr` and closed stderr.
 const INSIDE: &str = "mount --bind /usr /usr && mount -o remount,ro,bind /usr && exec \"$@\" 2>&-";
-/// Where namespaces are not to be had.
+/// Shell script for machines without namespaces.
 const OUTSIDE: &str = "exec \"$@\" 2>&-";
 
 struct Container {

@@ -165,7 +165,7 @@ fn ages_are_of_tiles_that_were_not_rendered() {
     }
 }
 
-/// Where the GPU decides, it is its own map that is drawn, tile by tile.
+/// If the GPU decides, the view draws the GPU's own map, tile by tile.
 #[test]
 fn rates_that_the_gpu_decided_are_drawn() {
     const TILES: [u32; 2] = [16, 14];

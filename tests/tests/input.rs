@@ -77,7 +77,7 @@ fn without_ours(line: &Value) -> Option<Value> {
     Some(line)
 }
 
-/// How often the gaze was located, and was there.
+/// Number of times that the gaze was located and available.
 fn gaze_reads(outcome: &Outcome) -> u64 {
     outcome.record.frames.iter().map(|frame| u64::from(frame.gaze_reads)).sum()
 }

@@ -69,7 +69,7 @@ fn re_use_keeps_no_pictures_where_memory_is_short() {
     assert!(!refused.contains(" WARN ") && !refused.contains(" ERROR "), "{refused}");
 }
 
-/// How often the layer asks for memory in a run of so many frames of an application that makes nothing in them.
+/// Number of allocations of the layer in a run of `frames` frames of an application that creates nothing in them.
 #[cfg(target_arch = "x86_64")]
 fn allocations(config: &str, frames: u64) -> f64 {
     let count = frames.to_string();

@@ -44,7 +44,7 @@ fn times_are_taken_and_kept() {
     assert_eq!(read, results);
 }
 
-/// Where there is a GPU the program would measure it, which is not for here.
+/// Skipped on a machine with a GPU with shading rates, which the program would measure.
 #[test]
 fn without_a_gpu_it_says_so() {
     let machine = Machine::of(Driver::System).unwrap();

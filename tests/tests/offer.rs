@@ -14,7 +14,7 @@ use std::net::SocketAddr;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Where the eyes look in the space of the head, degrees.
+/// Direction of the gaze in the space of the head, degrees.
 const LEFT: f32 = 17.0;
 const UP: f32 = -8.5;
 
@@ -188,7 +188,7 @@ fn layers_in_the_gaze_are_shown_where_the_eyes_look() {
     }
 }
 
-/// Where packets say that the eyes look, and where they do after the correction.
+/// Gaze direction in the packets; the correction turns it to [`LEFT`] and [`UP`].
 const SENT: [f32; 2] = [LEFT - 4.0, UP + 2.5];
 
 fn offers_packets(address: SocketAddr) -> String {

@@ -25,7 +25,7 @@ fn reached(application: &Application) -> BTreeSet<String> {
     lines.map(|(_, call)| call.to_owned()).collect()
 }
 
-/// Where in a hook the panic happens.
+/// Place of the panic in a hook.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum PanicPoint {
     BeforeCallDown,

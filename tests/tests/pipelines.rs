@@ -26,7 +26,7 @@ fn run(cache: &Path, frames: u64) -> Outcome {
     run.faulted(None).finish().unwrap().expect_frames(frames).unwrap()
 }
 
-/// How many pipelines the layer made, on the application's threads and on its own.
+/// Number of pipelines that the layer created, on the application's threads and on its own.
 fn made(outcome: &Outcome) -> [u64; 2] {
     let mut made = [0; 2];
     for report in outcome.faults().unwrap() {

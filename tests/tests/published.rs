@@ -23,7 +23,7 @@ const SIDE: u32 = 512;
 /// Half of the field of view, degrees: a little more than where the curves end.
 const HALF_FOV_DEG: f32 = 57.0;
 
-/// Where the curves of chroma attenuation end by default, degrees.
+/// Eccentricity at which the curves of chroma attenuation end by default, degrees.
 const END_DEG: f32 = 55.0;
 
 /// The frame that is compared.

@@ -154,7 +154,7 @@ fn moving_content_is_rendered_at_once() {
     assert!(samples[1] < samples[2] && samples[2] < samples[0], "{samples:?}");
 }
 
-/// Where nothing moves nothing is rendered beyond its turn, whether the head turns or not.
+/// Without motion in the scene, tiles are rendered only in their turn, whether the head turns or not.
 #[test]
 fn content_at_rest_follows_the_schedule() {
     let frames = RUN_UP + 14;

@@ -25,8 +25,8 @@ struct Case {
     substituted: bool,
     /// Width of those that keep the runtime's swapchain, because of a structure in the chain of their creation; 0: none.
     left_alone: u32,
-    /// Which frame's picture each frame shows, where not its own: in front of a runtime that is not ready for another
-    /// image, the layer submits the last one again instead of making the application wait.
+    /// Frame of the image that each frame shows; empty: its own. If the runtime is not ready for another image, the
+    /// layer submits the last one again instead of making the application wait.
     shows: &'static [u64],
     /// Whether OpenXR's core validation is below the layer. Where it is not, it is too old for an extension of the
     /// case, or answers a mistake itself.
@@ -37,7 +37,7 @@ struct Case {
     scenario: fn(&mut Scenario),
 }
 
-/// Where the layer takes the gaze from.
+/// Source of the layer's gaze.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Gaze {
     /// `gaze.source = "centre"`: known from the first frame.

@@ -1,4 +1,4 @@
-//! Which channel is where, and how much it counts (BS.1770-4, Table 4).
+//! Positions of channels, and their weights (BS.1770-4, Table 4).
 
 use ebur128::Channel;
 use ebur128::Channel::{

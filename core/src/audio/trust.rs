@@ -1,4 +1,4 @@
-//! How far features can be relied on: whether sound was heard without gaps, and how long ago.
+//! Reliability of features: by gaps in the sound, and by its age.
 
 use super::{AudioFeatures, AudioSettings, GREATEST_KILOMEL, INTERVAL_S};
 use std::collections::VecDeque;
@@ -12,7 +12,7 @@ const FULL_S: f32 = 0.1;
 /// From that late on features do not count, seconds; in between they do less and less.
 const NOTHING_S: f32 = 0.3;
 
-/// How much of the last T_a was heard as it was played, hop by hop of [`INTERVAL_S`].
+/// Share of the last T_a that was captured as it was played, by hops of [`INTERVAL_S`].
 #[derive(Clone, Debug)]
 pub struct Continuity {
     /// Shares of the last hops of the window, oldest first.

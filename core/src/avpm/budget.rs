@@ -3,7 +3,7 @@
 use super::{Coefficients, GAMMA_LD, PAPER, PAPER_THRESHOLD, says_something};
 use crate::audio::LEAST_KILOMEL;
 
-/// How the sensitivity is scaled that a budget is compared with.
+/// Scale of the sensitivity that a budget is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SensitivityUnit {
     /// Tursun's, with which the paper's coefficients were fitted.
@@ -54,7 +54,7 @@ pub enum Budget {
     FixedFoveation,
 }
 
-/// How sound becomes a budget.
+/// Settings of the conversion from sound to a budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BudgetSettings {
     /// Of Eq. 12.

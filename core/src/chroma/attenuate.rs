@@ -3,7 +3,7 @@
 use super::Gains;
 use glam::Vec3;
 
-/// Which values of green the result may have: red and blue only ever move towards Y, green can overshoot.
+/// Range of green in the result: red and blue only ever move towards Y, green can overshoot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gamut {
     /// Least value.

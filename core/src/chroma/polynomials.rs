@@ -27,8 +27,8 @@ pub struct Polynomials {
 }
 
 impl Polynomials {
-    /// How far a gain may lie from that of the curves: the most over all settings, of Cr for its least bound in paper mode. By default
-    /// it is a tenth of that.
+    /// Largest deviation of a gain from that of the curves, over all settings: of Cr for its least bound in paper mode. By default it
+    /// is a tenth of that.
     pub const WITHIN: f32 = 0.0036;
 
     /// Of these curves.

@@ -1,8 +1,8 @@
-//! How colour follows the gaze in time: it comes back at once where the gaze arrives, and goes slowly where it left.
+//! Chroma attenuation over time: colour comes back at once where the gaze arrives, and fades slowly where the gaze left.
 //!
 //! No gain may fall by more than [`ChromaSettings::max_change_per_s`] in a second. Instead of a history per pixel one
 //! cap of directions is kept, which always holds the gaze; eccentricity counts from its edge. The cap grows at once to
-//! where the gaze goes, and contracts towards it so slowly that no direction leaves it faster than the curves'
+//! include the gaze, and contracts towards it so slowly that no direction leaves it faster than the curves'
 //! steepest descent allows.
 
 use super::{ChromaSettings, Curves, Mode};
@@ -10,12 +10,12 @@ use crate::geometry::{Cap, unit_direction};
 use crate::range::within;
 use glam::Vec3;
 
-/// Where colour is kept in full, and how strongly it is attenuated elsewhere.
+/// Area of full colour, and strength of the attenuation elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
     /// Middle of the directions that count as looked at, of unit length, in the space of the gaze.
     pub direction: Vec3,
-    /// How far around it they reach, radians, 0..=pi: eccentricity counts from there on.
+    /// Radius of these directions, radians, 0..=pi: eccentricity counts from there on.
     pub radius: f32,
     /// Part of the attenuation that is applied, 0..=1.
     pub strength: f32,

@@ -1,4 +1,4 @@
-//! How much less is seen in a foveated picture than in the full one (paper A, Eq. 8-11).
+//! Visual loss of a foveated image compared to the image at full rate (paper A, Eq. 8-11).
 
 use super::loss;
 use crate::perception::BANDS;

@@ -49,7 +49,7 @@ const FIRST: DotTiming = DotTiming { settle_ns: 1_500_000_000, ..TIMING };
 /// A dot stays after a blink, or without a fixation.
 const AGAIN: DotTiming = DotTiming { settle_ns: 0, ..TIMING };
 
-/// How often a dot is measured at most.
+/// Largest number of measurements of a dot.
 const MOST_TRIES: u8 = 4;
 
 /// The largest distance from a dot that a fit may leave, degrees: 2 degrees are the mean error of headsets without a calibration of ours. More

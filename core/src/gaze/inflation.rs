@@ -1,4 +1,4 @@
-//! How much larger the fovea has to be because the gaze is not exact and not of this moment.
+//! Enlargement of the fovea for the error and the latency of the gaze.
 
 /// Largest radius that motion alone gives the fovea, degrees.
 ///

@@ -1,20 +1,20 @@
-//! How the gaze is judged.
+//! Settings of the gaze model.
 
-/// How the gaze is judged. The defaults suit any tracker of 60 Hz or more. What is negative or NaN counts as 0.
+/// Settings of the gaze model. The defaults suit any tracker of 60 Hz or more. Negative values and NaN count as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeSettings {
-    /// How long the gaze may be missing as in a blink, milliseconds; the last one is held meanwhile. A blink takes 100
-    /// to 400 ms (BioNumbers; Volkmann et al. 1980), the longest about 500.
+    /// Longest loss of the gaze that counts as a blink, milliseconds; the last gaze is held meanwhile. A blink takes 100 to 400
+    /// ms (BioNumbers; Volkmann et al. 1980), the longest about 500.
     pub hold_ms: f32,
-    /// How long trust takes from 1 to 0 after that, milliseconds. 200 ms keeps the change to uniform rates from
-    /// showing as a flash; it is our choice.
+    /// Time in which trust falls from 1 to 0 after that, milliseconds. 200 ms keeps the change to uniform rates from showing as a
+    /// flash; it is our choice.
     pub ramp_down_ms: f32,
-    /// How long trust takes from 0 to 1 once samples are valid again, milliseconds.
+    /// Time in which trust rises from 0 to 1 once samples are valid again, milliseconds.
     pub ramp_up_ms: f32,
-    /// How long after the landing of a saccade changes of the picture go unnoticed, milliseconds: an update of a gaze-contingent
-    /// display is not detected more often than one in time up to 60 ms after landing (Loschky and Wolverton 2007), as sensitivity
-    /// recovers from saccadic suppression within 50 to 100 ms (Volkmann 1986; Diamond, Ross and Morrone 2000). What is found
-    /// again after a blink may not become coarser for as long.
+    /// Time after the landing of a saccade in which changes of the picture go unnoticed, milliseconds: an update of a
+    /// gaze-contingent display is not detected more often than one in time up to 60 ms after landing (Loschky and Wolverton
+    /// 2007), as sensitivity recovers from saccadic suppression within 50 to 100 ms (Volkmann 1986; Diamond, Ross and Morrone
+    /// 2000). After a blink, tiles may not become coarser for as long.
     pub post_saccade_ms: f32,
     /// Smallest jump that is taken for a saccade, degrees, however quiet the tracker is. What is smaller stays within the
     /// least fovea, and the filter follows it.
@@ -29,7 +29,7 @@ pub struct GazeSettings {
     pub memory_ms: f32,
     /// Farthest that eyes turn from straight ahead, degrees, at most 90: about 55 (Carpenter 1988), and a tracker's error.
     pub reach_deg: f32,
-    /// How far outside of the views the gaze may be, degrees: a tracker's error, and the reach of the widest fovea.
+    /// Largest angle of the gaze outside of the views, degrees: a tracker's error, and the reach of the widest fovea.
     pub outside_deg: f32,
     /// From when on a gaze that does not change in any bit is not believed, milliseconds, if also
     /// [`Self::frozen_head_deg`] says so.

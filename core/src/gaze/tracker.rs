@@ -55,7 +55,7 @@ struct Seen {
     motion: Motion,
     /// As seen from the head.
     from_head: Motion,
-    /// How the head was turned at the newest sample, where that is told.
+    /// Orientation of the head at the newest sample, if known.
     head: Option<Quat>,
     /// When the newest sample came, on the clock of the samples.
     arrived_ns: i64,
@@ -341,7 +341,7 @@ fn silent_ns(motion: &Motion) -> i64 {
     intervals.clamp(SILENT_NS, LONGEST_NS)
 }
 
-/// How far apart two times are, whichever is first.
+/// Distance between two times, in any order.
 fn distance_ns(a: i64, b: i64) -> i64 {
     a.saturating_sub(b).saturating_abs()
 }
@@ -351,7 +351,7 @@ fn nanoseconds(ms: f32) -> i64 {
     (f64::from(ms.max(0.0)) * 1e6) as i64
 }
 
-/// Which part of a ramp of `ramp_ms` passes in `span_ns` >= 0: 0..=1; all of a ramp that takes no time.
+/// Part of a ramp of `ramp_ms` that passes in `span_ns` >= 0: 0..=1; 1 for a ramp that takes no time.
 fn portion(span_ns: i64, ramp_ms: f32) -> f32 {
     let ramp = nanoseconds(ramp_ms);
     if span_ns >= ramp { 1.0 } else { (span_ns as f64 / ramp as f64) as f32 }

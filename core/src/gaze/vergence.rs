@@ -17,7 +17,7 @@ const HALF_IPD_M: f32 = 0.0315;
 /// (Dodgson 2004).
 const FARTHEST_EYE_M: f32 = 0.06;
 
-/// Where each eye looks, left first, when both look at the point `distance_m` along the ray `gaze` from between them.
+/// Gaze direction of each eye, left first, when both look at the point `distance_m` along the ray `gaze` from between them.
 ///
 /// The ray is the direction of neither eye: 3.6 degrees off at 0.5 m, 6 at 0.3 m. `eyes_m` are the eyes' positions (the
 /// views' poses) relative to the ray's origin, in the space of `gaze`, metres. `distance_m` may come from submitted depth;
@@ -25,7 +25,7 @@ const FARTHEST_EYE_M: f32 = 0.06;
 /// the rings around both then reach to either side as far as either eye can look, which is a fovea widened along the line
 /// between the eyes.
 ///
-/// The answers are unit vectors, straight ahead for a `gaze` that is no direction. Eyes that cannot be (not finite, or
+/// The results are unit vectors. A `gaze` that is no direction counts as -z. Eyes at impossible positions (not finite, or
 /// more than 6 cm from the ray's origin) are taken to be 63 mm apart.
 pub fn eye_directions(gaze: Vec3, eyes_m: [Vec3; 2], distance_m: Option<f32>) -> [Vec3; 2] {
     let gaze = unit_direction(gaze).unwrap_or(Vec3::NEG_Z);

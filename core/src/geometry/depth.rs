@@ -1,6 +1,6 @@
 //! Distances from a depth image.
 
-/// How the values of a depth image stand for distances, as `XrCompositionLayerDepthInfoKHR`.
+/// Mapping of the values of a depth image to distances, as in `XrCompositionLayerDepthInfoKHR`.
 ///
 /// The nearer plane may be either one (reversed depth), and either may be infinitely far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub fn view_distance(depth: f32, range: &DepthRange) -> f32 {
     }
 }
 
-/// How the values of a depth image stand for nearness, 1 / distance along -z of view space in 1/m: linearly.
+/// Linear mapping of the values of a depth image to nearness, 1 / distance along -z of view space in 1/m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearness {
     /// Nearness of the value 0, 1/m, were it within [`Self::bounds`].

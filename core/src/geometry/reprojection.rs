@@ -30,8 +30,8 @@ impl Reprojection {
         matrix.is_finite().then_some(Self { matrix })
     }
 
-    /// Where a point of the first image, in pixels, lies in the second, in pixels and possibly outside of it.
-    /// `None` for what is beside or behind the second view (w <= 0), so that its plane does not show it.
+    /// Position in the second image of a point of the first one, both in pixels; it may be outside of the second image. `None`
+    /// for points beside or behind the second view (w <= 0), which its plane does not show.
     pub fn pixel(&self, pixel: Vec2) -> Option<Vec2> {
         let Vec3 { x, y, z: w } = self.matrix * pixel.extend(1.0);
         let found = Vec2::new(x, y) / w;

@@ -1,4 +1,4 @@
-//! How many pixels a degree of view has, at a pixel: a planar image has more of them the farther out.
+//! Pixels per degree of view, at a pixel: a planar image has more of them the farther out.
 
 use super::ImagePlane;
 use glam::Vec2;

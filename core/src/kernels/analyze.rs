@@ -21,7 +21,7 @@ use crate::perception::{BANDS, ContrastMap};
 use crate::plan::TEXEL_SIDES;
 use std::ops::Range;
 
-/// How one number is made of the contrasts within a tile.
+/// Aggregation of the contrasts within a tile to one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Aggregation {
     /// The greatest. Right with thresholds ([`crate::perception::csf::castle`]): a tile is coarse enough when nothing in it
@@ -138,7 +138,7 @@ pub fn level_blocks(extent: [u32; 2], level: usize) -> [u32; 2] {
     level_size(extent, level).map(|side| side.div_ceil(2))
 }
 
-/// Where level `level` begins in the image of all levels, blocks: below the picture itself one beside the other.
+/// Position of level `level` in the image of all levels, blocks: below the picture itself, side by side.
 pub fn level_place(extent: [u32; 2], level: usize) -> [u32; 2] {
     if level == 0 {
         return [0; 2];

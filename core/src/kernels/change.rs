@@ -15,8 +15,8 @@ use glam::{Mat3, UVec2, Vec2, Vec3};
 /// the least that is written to it.
 pub const DARK: f32 = 0.005;
 
-/// Where a picture had to be interpolated: the share of the difference between the samples of a part that finding them between
-/// other pixels may have made.
+/// Share of the difference between the samples of a part that interpolation may have caused, in a picture that had to be
+/// interpolated.
 pub const INTERPOLATED: f32 = 0.5;
 
 /// Limit of a component of a colour, the largest half float.
@@ -41,19 +41,19 @@ uniform! {
         pub extent: [f32; 2],
         /// Size of a tile of it, pixels.
         pub tile_size: [f32; 2],
-        /// Where the list of tiles begins among the words, and where the results do among the results.
+        /// Index of the first of the tiles among the words, and of their first result among the results.
         pub first: [u32; 2],
-        /// How many tiles there are.
+        /// Number of tiles.
         pub count: u32,
         /// [`DARK`].
         pub dark: f32,
-        /// Where the head has moved: offset of a point after [`Self::to_earlier`], for each 1/m of nearness.
+        /// Parallax, if the head has moved: offset of a point after [`Self::to_earlier`], for each 1/m of nearness.
         pub parallax: [f32; 4],
         /// Meaning of depth in the newest picture: [`Nearness::at_zero`], [`Nearness::slope`] and [`Nearness::bounds`].
         pub nearness: [f32; 4],
         /// First pixel of the newest picture's depth in its image.
         pub depth_offset: [u32; 2],
-        /// How many pixels of depth a pixel of the newest picture is wide and high.
+        /// Number of pixels of depth per pixel of the newest picture, along x and y.
         pub depth_scale: [f32; 2],
     }
 }
@@ -100,8 +100,8 @@ impl ChangeParams {
         Self { depth_offset: depth.offset, depth_scale, ..self }
     }
 
-    /// How much a tile, by column and row, differs: the greatest difference of luminance among its parts, by the mean of both
-    /// pictures; >= 0.
+    /// Difference of a tile, by column and row: the greatest difference of luminance among its parts, relative to the mean of
+    /// both pictures; >= 0.
     ///
     /// `newest` and `earlier` sample the textures, in linear light.
     pub fn change(

@@ -15,7 +15,7 @@ pub enum DebugView {
     Rates,
     /// The angle from the gaze: from green to red, with a line every 10 degrees.
     Eccentricity,
-    /// How many frames ago a tile was rendered: from yellow to red, nothing where it is new.
+    /// Age of each tile, frames: from yellow to red, no colour for new tiles.
     Age,
     /// A dot at the gaze.
     Gaze,

@@ -14,12 +14,12 @@ use glam::{Quat, UVec2, Vec2, Vec3};
 uniform! {
     /// Parameters of one view and frame.
     pub struct DecideParams {
-        /// Where the left eye looks, unit vector in the space of this view. A tile's eccentricity is that from the
-        /// nearer of both gazes, so that both eyes agree about one direction of the world.
+        /// Gaze direction of the left eye, unit vector in the space of this view. A tile's eccentricity is that from the nearer
+        /// of both gazes, so that both eyes agree about one direction of the world.
         pub gaze_left: [f32; 3],
         /// Angle by which the gaze may be off, degrees: taken off the eccentricity before contrast is judged.
         pub inflation_deg: f32,
-        /// Where the right eye looks.
+        /// Gaze direction of the right eye.
         pub gaze_right: [f32; 3],
         /// Most that a tile may become coarser in this frame, in [`crate::plan::STEPS_PER_OCTAVE`].
         pub coarsening: u32,
@@ -54,7 +54,7 @@ uniform! {
         pub texel: [u32; 2],
         /// Columns and rows of tiles.
         pub tiles: [u32; 2],
-        /// Whose turn it is to be seen at full rate, below `look_every`.
+        /// Number of the frame modulo `look_every`: selects the tiles that are seen at full rate.
         pub look_at: u32,
         /// 1 if contrast was measured in a view of another orientation, see [`Self::measured_in`]; else 0, and each tile has its own
         /// contrast.
@@ -120,12 +120,12 @@ impl DecideParams {
         self
     }
 
-    /// How budgets are spent.
+    /// Allocation of budgets to tiles.
     pub fn allocation(&self) -> Allocation {
         if self.is_marginal == 0 { Allocation::PerTile } else { Allocation::EqualMarginalLoss }
     }
 
-    /// Where a tile was when contrast was measured, in tiles: whole numbers are tiles. Nothing for what was behind the view.
+    /// Position of a tile when contrast was measured, in tiles: whole numbers are tiles. `None` if it was behind the view.
     fn measured_at(&self, tile: [u32; 2]) -> Option<Vec2> {
         let pixel = (UVec2::from(tile).as_vec2() + 0.5) * UVec2::from(self.texel).as_vec2()
             - UVec2::from(self.overhang).as_vec2();

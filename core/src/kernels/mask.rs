@@ -21,7 +21,7 @@ uniform! {
         pub layer_tiles: u32,
         /// Array layers.
         pub layers: u32,
-        /// How many views there are.
+        /// Number of views.
         pub views: u32,
         /// Words of the template in one array layer.
         pub layer_words: u32,

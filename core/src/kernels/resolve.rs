@@ -33,7 +33,7 @@ uniform! {
     }
 }
 
-/// Which tiles each texel of a rate image meets: the content of a storage buffer.
+/// Tiles that each texel of a rate image meets: the content of a storage buffer.
 ///
 /// For each picture a word with its layer, times two, plus its eye (0: left, 1: right); then for each column of texels the
 /// columns of tiles that it meets, the first one in the lower half of a word and the end in the upper half; then the same for rows.

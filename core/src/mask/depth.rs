@@ -12,8 +12,8 @@
 use super::{BLOCK, Mask};
 use thiserror::Error;
 
-/// How a template is laid out in a buffer: as depth that is copied to or from the depth aspect of an image (Vulkan
-/// specification, "Buffer and Image Addressing"), or by blocks, for shaders alone.
+/// Layout of a template in a buffer: as depth that is copied to or from the depth aspect of an image (Vulkan specification,
+/// "Buffer and Image Addressing"), or by blocks, for shaders alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DepthFormat {
     /// 16 bits, UNORM.
@@ -26,7 +26,7 @@ pub enum DepthFormat {
     Blocks,
 }
 
-/// Where the words of a template are.
+/// Layout of the words of a template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TemplateWords {
     /// Words of a row.
@@ -48,7 +48,7 @@ impl DepthFormat {
         }
     }
 
-    /// Where the words of a template for pictures of `extent` pixels are; nothing where its rows do not begin with words.
+    /// Layout of the words of a template for pictures of this width and height; `None` if its rows do not begin with words.
     pub fn words(self, [width, height]: [u32; 2]) -> Option<TemplateWords> {
         if self == Self::Blocks {
             let (row, rows) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
@@ -82,7 +82,7 @@ impl DepthFormat {
     }
 }
 
-/// Which way depth tests go.
+/// Direction of depth tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Direction {
     /// LESS, LESS_OR_EQUAL: nearer is smaller.

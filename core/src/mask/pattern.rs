@@ -1,4 +1,4 @@
-//! Which blocks are shaded at a rate.
+//! Shaded blocks at each rate.
 //!
 //! Rows of shaded blocks, every other one shifted by half of the distance within a row, which is a checkerboard at 1/2
 //! and at 1/8: no point is far from a shaded block in any direction. At one fraction this fills better than columns,

@@ -9,13 +9,13 @@ use glam::{IVec2, UVec2};
 /// others follow clockwise. Those two apart are opposite to each other.
 pub const SOURCES: usize = 4;
 
-/// How far a source may be, blocks in each direction. All patterns have every fourth block of every eighth row in common.
+/// Largest distance of a source, blocks in each direction. All patterns have every fourth block of every eighth row in common.
 pub const REACH: u32 = 7;
 
-/// How far the sources of [`Pattern::sources`] are at most, blocks in each direction.
+/// Largest distance of the sources of [`Pattern::sources`], blocks in each direction.
 const REACH_IN_PATTERN: u32 = 4;
 
-/// Where a shaded block is, from the skipped one on: columns and rows, -7..=7, not both 0.
+/// Position of a shaded block relative to the skipped one: columns and rows, -7..=7, not both 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source(IVec2);
 
@@ -111,8 +111,7 @@ fn nearest(row: impl Fn(i32) -> u32) -> Sources {
     ]
 }
 
-/// Which blocks of a view are shaded, a bit each, with nothing around it as far as sources reach. Kept, so that a frame allocates
-/// nothing.
+/// Shaded blocks of a view, a bit each, within an empty margin as wide as sources reach. Kept, so that a frame allocates nothing.
 #[derive(Clone, Debug)]
 pub(super) struct ShadedBlocks {
     row_bytes: usize,
@@ -127,7 +126,7 @@ impl ShadedBlocks {
         Self { row_bytes, bits: vec![0; row_bytes * (rows + 2 * REACH) as usize] }
     }
 
-    /// Those of the blocks from `first` on up to, not including, `end`.
+    /// Fills in the shaded blocks from `first` on up to, not including, `end`.
     pub(super) fn fill(&mut self, skipped: &Plane<bool>, (first, end): (UVec2, UVec2)) {
         self.bits.fill(0);
         for y in first.y..end.y {
@@ -187,7 +186,7 @@ impl PatternSources {
         Self(rates.map(Pattern::of).map(|pattern| (pattern, pattern.sources())).to_vec())
     }
 
-    /// Those of a row of blocks of a pattern; nothing for the pattern that skips nothing.
+    /// Sources of a row of blocks of a pattern; `None` for the pattern that skips nothing.
     fn row(&self, pattern: Pattern, y: u32) -> Option<RowSources> {
         let (_, sources) = self.0.iter().find(|(known, _)| *known == pattern)?;
         let [columns, rows] = Pattern::PERIOD;
@@ -201,7 +200,7 @@ impl PatternSources {
 pub(super) struct RowSources([u32; Pattern::PERIOD[0] as usize]);
 
 impl RowSources {
-    /// Those of a block in a column, as [`encode`] gives them.
+    /// Sources of a block in a column, in the form of [`encode`].
     pub(super) fn at(self, x: u32) -> u32 {
         self.0[(x % Pattern::PERIOD[0]) as usize]
     }

@@ -3,9 +3,8 @@
 use super::{BANDS, TileContrast};
 use crate::rate::ShadingRate;
 
-/// How strongly the bands answer where each octave of a picture has the same contrast, finest first: root of the
-/// integral of their squared response over a spectrum of 1/f amplitude. The finest band is a high-pass, which
-/// reaches into the corners of the spectrum.
+/// Responses of the bands to a picture with the same contrast in each octave, finest first: root of the integral of their squared
+/// response over a spectrum of 1/f amplitude. The finest band is a high-pass, which reaches into the corners of the spectrum.
 const EQUAL_OCTAVES: [f32; BANDS] = [1.70, 1.10, 1.02, 1.0];
 
 /// Contrast of the tile at the rate 1x1, given the contrast `measured` while it was shaded at `shaded_at`.

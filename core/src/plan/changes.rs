@@ -11,7 +11,7 @@ pub(super) struct Changes {
     settings: RefreshSettings,
     /// Present from the first change on.
     activity: Option<Activity>,
-    /// Where the eyes look in the world, by the newest plan.
+    /// Gaze directions in the world, by the newest plan.
     gazes: [Vec3; 2],
     /// The frame that is planned, and how many cells were refreshed in it.
     granted: (u64, usize),

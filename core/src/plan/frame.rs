@@ -30,7 +30,7 @@ pub struct FramePlan {
     pub periods: [u8; 5],
     /// Greatest loss of visible contrast, alpha of paper A Eq. 17, where contrast is judged.
     pub budget: Option<f32>,
-    /// How colour falls off around [`EyePlan::focus`].
+    /// Chroma attenuation around [`EyePlan::focus`].
     pub chroma: Option<ChromaSettings>,
 }
 
@@ -45,12 +45,12 @@ pub struct EyePlan {
     pub texel: [u32; 2],
     /// Field of view of the view.
     pub fov: Fov,
-    /// Where this eye looks, unit vector in the view's space; all 0 when that is unknown.
+    /// Gaze direction of this eye, unit vector in the view's space; all 0 if unknown.
     pub gaze: Vec3,
     /// Centres of the rings, unit vectors in the view's space: the gaze of the left and of the right eye, or the axes of
     /// both lenses.
     pub centres: [Vec3; 2],
-    /// Where colour is kept, in the view's space; all colour is, everywhere, where there is none.
+    /// Area of full colour, in the view's space; `None`: full colour everywhere.
     pub focus: Option<Focus>,
     /// [`ShadingRate::texel`] with which a tile is shaded when it is rendered.
     pub rates: Plane<u8>,

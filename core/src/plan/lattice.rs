@@ -177,7 +177,7 @@ impl TileLattice {
         Some(View { orientation, plane })
     }
 
-    /// Where a corner of the lattice lies in the view, pixels; tiles end where the view ends.
+    /// Position of a corner of the lattice in the view, pixels; tiles end where the view ends.
     pub(super) fn corner_pixel(&self, corner: UVec2) -> Vec2 {
         (corner * self.texel).saturating_sub(self.overhang).min(self.extent).as_vec2()
     }

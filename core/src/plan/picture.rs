@@ -76,7 +76,7 @@ impl FramePlan {
     }
 }
 
-/// Where a pixel lies among the lines of the picture.
+/// Position of a pixel among the lines of the picture.
 struct Bands {
     gaze: bool,
     ring: usize,

@@ -115,7 +115,7 @@ impl Reasons {
         self.0 & (1 << reason as u32) != 0
     }
 
-    /// Those that are there.
+    /// Reasons in the set.
     pub fn iter(self) -> impl Iterator<Item = Reason> {
         Reason::ALL.into_iter().filter(move |reason| self.contains(*reason))
     }

@@ -70,7 +70,7 @@ pub(super) fn level_of(rate: ShadingRate) -> u8 {
 }
 
 impl Default for AvailableRates {
-    /// Those of paper A's device.
+    /// Rates of paper A's device.
     fn default() -> Self {
         Self::new(&PAPER_RATES)
     }
@@ -110,7 +110,7 @@ impl Rings {
         Self { from_deg: self.from_deg.map(|from| from.max(least_deg) + margin_deg) }
     }
 
-    /// Where each rate begins, degrees, in the order of [`AvailableRates::coarser`].
+    /// Eccentricity at which each rate begins, degrees, in the order of [`AvailableRates::coarser`].
     pub fn from_deg(&self) -> [f32; COARSER_RATES] {
         self.from_deg
     }

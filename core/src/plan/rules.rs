@@ -21,9 +21,9 @@ pub(super) struct FrameRules {
     pub(super) safety: FrameSafety,
     /// Centres of the rings, unit vectors in the common space.
     pub(super) centres: [Vec3; 2],
-    /// Where rates follow eccentricity alone.
+    /// Limit for rates by eccentricity alone.
     pub(super) fixed: RateLimit,
-    /// Where contrast is known, if it counts.
+    /// Limit where contrast is known; `None` if contrast does not count.
     pub(super) by_contrast: Option<RateLimit>,
     /// The update schedule, with all limits applied; `None` if every tile is rendered.
     pub(super) schedule: Option<Schedule>,
@@ -50,7 +50,7 @@ impl AgeLimits {
     }
 }
 
-/// How coarse tiles may be.
+/// Limit of the coarseness of tiles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RateLimit {
     pub(super) rings: Rings,

@@ -17,7 +17,7 @@ pub(super) struct FrameSafety {
     pub(super) area: Area,
     /// By how much every radius is wider, degrees, 0..=180.
     pub(super) inflation_deg: f32,
-    /// How far outside of its ring a tile has to be to become coarser, degrees.
+    /// Distance outside of its ring from which on a tile may become coarser, degrees.
     pub(super) hysteresis_deg: f32,
     /// Most that a tile may become coarser, in [`STEPS_PER_OCTAVE`].
     pub(super) coarsening: u32,

@@ -10,11 +10,11 @@ use crate::schedule::Schedule;
 /// Settings of a planner, on one device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanSettings {
-    /// How shading rates are chosen.
+    /// Selection of shading rates.
     pub rates: RateSettings,
-    /// How often the periphery is rendered; every frame without.
+    /// Update schedule of the periphery; `None`: it is rendered in every frame.
     pub schedule: Option<UpdateSettings>,
-    /// How colour falls off; not at all without.
+    /// Chroma attenuation; `None`: full colour.
     pub chroma: Option<ChromaSettings>,
     /// Safety limits.
     pub safety: SafetySettings,
@@ -39,7 +39,7 @@ impl Default for PlanSettings {
     }
 }
 
-/// How shading rates are chosen.
+/// Selection of shading rates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum RateSettings {
     /// 1x1 everywhere.
@@ -56,7 +56,7 @@ pub enum RateSettings {
 pub struct AudioVisual {
     /// The budget of visible contrast by sound, with the unit of its contrast sensitivity function.
     pub budget: BudgetSettings,
-    /// How that is spent.
+    /// Allocation of the budget to tiles.
     pub allocation: Allocation,
     /// The map where [`BudgetSettings`] says so in silence, and where sound or contrast is not known.
     pub fixed: FixedFoveation,
@@ -105,7 +105,7 @@ impl Default for AudioVisual {
     }
 }
 
-/// How often the periphery is rendered.
+/// Settings of the updates of the periphery.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UpdateSettings {
     /// Regions, their periods, and whose turn it is.
@@ -145,7 +145,7 @@ pub struct SafetySettings {
     pub tracker_error_deg: f32,
     /// Time from the eye to the image, seconds: every radius is widened by the movement of the eyes in it.
     pub latency_s: f32,
-    /// How far outside of its ring a tile has to be to become coarser, degrees.
+    /// Distance outside of its ring from which on a tile may become coarser, degrees.
     pub hysteresis_deg: f32,
     /// The part of the budget of paper A Eq. 17 that a tile has to stay below to become coarser, 0..=1.
     pub hysteresis_budget: f32,

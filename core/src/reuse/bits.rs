@@ -3,7 +3,7 @@
 /// Tiles in a word.
 pub(super) const WORD: usize = u64::BITS as usize;
 
-/// How many words a row of so many tiles has.
+/// Number of words for a row of this many tiles.
 pub(super) fn words(columns: u32) -> usize {
     (columns as usize).div_ceil(WORD)
 }

@@ -51,7 +51,7 @@ impl ComparedTiles {
         age.checked_sub(1).and_then(|index| self.by_age.get(index)).map_or(&[], Vec::as_slice)
     }
 
-    /// How many tiles are compared.
+    /// Number of compared tiles.
     pub fn count(&self) -> usize {
         self.by_age.iter().map(Vec::len).sum()
     }

@@ -1,4 +1,4 @@
-//! Where the pixels of a picture lie in earlier ones.
+//! Positions of an image's pixels in earlier images.
 
 use super::rects::Edge;
 use super::{MAX_AGES, StaleTiles};
@@ -23,7 +23,7 @@ const SAME_PIXELS: f32 = 0.25;
 /// pixel is at + 0.5.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
-    /// How it was looked at, and its pixels.
+    /// Orientation and image plane of the view.
     pub view: View,
     /// Size, pixels.
     pub extent: [u32; 2],
@@ -36,14 +36,14 @@ pub struct Picture<'a> {
 /// Viewpoint of an image, with the meaning of its depth, for reprojection by depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
-    /// Where the view was in the space that its orientation leads to, metres.
+    /// Position of the view, in the space that its orientation leads to, metres.
     pub position_m: Vec3,
     /// Meaning of the values of its depth image.
     pub nearness: Nearness,
 }
 
 impl Picture<'_> {
-    /// How many tiles a pixel is wide and high.
+    /// Number of tiles per pixel, along x and y.
     pub fn tiles_per_pixel(&self) -> Vec2 {
         self.stale.tiles_across() / self.size()
     }
@@ -69,7 +69,7 @@ pub(crate) struct Earlier<'a> {
     pub(crate) picture: Picture<'a>,
     /// From points of the newest picture, as (x, y, 1), to homogeneous points of this one.
     pub(crate) matrix: Mat3,
-    /// Where the newest picture is seen from elsewhere, and both have depth.
+    /// Parallax, if the viewpoint has moved since and both images have depth.
     pub(crate) parallax: Option<Parallax>,
     /// Whether nothing has moved since.
     pub(crate) is_still: bool,
@@ -89,7 +89,7 @@ pub(crate) struct Parallax {
 }
 
 impl Earlier<'_> {
-    /// Where a point of the newest picture lies in this one, were it endlessly far away; nothing where it does not show it.
+    /// Position of a point of the newest image in this one, for content at infinity; `None` if this one does not show it.
     pub(crate) fn point(&self, point: Vec2) -> Option<Vec2> {
         self.shown(self.matrix * point.extend(1.0))
     }
@@ -109,23 +109,23 @@ impl Earlier<'_> {
     }
 }
 
-/// Where a pixel is re-used from.
+/// Source of a re-used pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// How many pictures ago it was rendered, 1..=[`MAX_AGES`].
+    /// Age of the source image, counted in images, 1..=[`MAX_AGES`].
     pub age: usize,
     /// The point there.
     pub point: Vec2,
 }
 
-/// Where a pixel is re-used from in a picture that was seen from elsewhere.
+/// Source of a re-used pixel in an image from another viewpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovedSource {
     /// The picture, and the point there.
     pub source: Source,
     /// Nearness of the pixel's content there, 1/m.
     pub nearness: f32,
-    /// How far something moves here for each 1/m that it is nearer there, pixels.
+    /// Displacement here for each 1/m of nearness there, pixels.
     pub pixels_m: f32,
 }
 
@@ -193,7 +193,7 @@ impl<'a> Reuse<'a> {
         self.earlier().map(|earlier| &earlier.picture)
     }
 
-    /// How many earlier ones there are.
+    /// Number of earlier images.
     pub fn ages(&self) -> usize {
         self.earlier().count()
     }

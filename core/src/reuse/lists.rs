@@ -24,7 +24,7 @@ pub struct TileLists {
     touched: TouchedLists,
 }
 
-/// Which lists need work, so that those without tiles cost nothing.
+/// Lists that need work, so that empty ones cost nothing.
 #[derive(Clone, Copy, Debug, Default)]
 struct TouchedLists {
     /// Not empty.
@@ -105,7 +105,7 @@ struct Row {
     below: Vec<u64>,
     /// Fresh tiles with a seam that has no earlier image yet, by place in [`Edge::ALL`].
     seams: [Vec<u64>; Edge::ALL.len()],
-    /// Which of these have any tile, a bit each.
+    /// One bit for each of these, set if it has any tile.
     open_seams: u32,
     /// Stale tiles that no picture so far has all of.
     left: Vec<u64>,
@@ -177,7 +177,7 @@ impl TileLists {
         }
     }
 
-    /// How many words all lists have.
+    /// Number of words of all lists.
     pub fn words(&self) -> usize {
         let of_ages = self.full.iter().chain(&self.partial).chain(self.seam.as_flattened());
         std::iter::once(&self.fresh).chain(of_ages).map(|list| list.words().len()).sum()

@@ -1,6 +1,6 @@
-//! Where the tiles of a picture lie in earlier pictures, and how much of each those have.
+//! Positions of an image's tiles in earlier images, and the coverage of each tile there.
 //!
-//! From one tile to the next that hardly changes: tiles are placed in blocks, by the corners of a block and a bound for the inside of it. Blocks
+//! Both hardly change from one tile to the next: tiles are placed in blocks, by the corners of a block and a bound for the inside of it. Blocks
 //! side by side that reach equally far from their own place are one stretch, and a stretch of a row is answered with bits of the earlier
 //! picture's rows. A block gives each of its tiles a little more than the tile takes, so a picture that has all of a tile may count as having
 //! a part of it, and never the other way round.
@@ -16,7 +16,7 @@ use std::array;
 /// Columns and rows of a block: with more, tiles of a turning head are given more than they take, with fewer, there are more blocks.
 const BLOCK: u32 = 4;
 
-/// How much of a tile a picture has.
+/// Coverage of a tile by an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Has {
     Nothing,
@@ -24,12 +24,12 @@ pub(super) enum Has {
     All,
 }
 
-/// Which tiles of a row a picture has, as bits.
+/// Tiles of a row that an image covers, as bits.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Found {
-    /// All of them.
+    /// Tiles that it covers in full.
     pub(super) all: Vec<u64>,
-    /// Any of them, or, at times, nothing.
+    /// Tiles that it covers in part or in full, or, at times, not at all.
     pub(super) any: Vec<u64>,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct TilePlaces {
     border: f32,
 }
 
-/// How the newest picture is cut into blocks.
+/// Division of the newest image into blocks.
 #[derive(Clone, Debug, Default)]
 struct Blocks {
     /// x of the edges between them, tiles.
@@ -97,7 +97,7 @@ impl TilePlaces {
         }
     }
 
-    /// Which of the `wanted` tiles of a row the earlier picture at place `index`, the newest first, has.
+    /// Finds the `wanted` tiles of a row that the earlier image at place `index`, the newest first, covers.
     pub(super) fn find(
         &mut self,
         reuse: &Reuse,
@@ -261,7 +261,7 @@ impl AgePlaces {
     }
 }
 
-/// How far each block of a row lies from its own place in an earlier picture, tiles of that.
+/// Bounds of the displacement of each block of a row in an earlier image, tiles of that image.
 #[derive(Clone, Debug, Default)]
 struct Bounds {
     map: Option<Map>,
@@ -280,7 +280,7 @@ struct Bounds {
 #[derive(Clone, Copy, Debug)]
 struct Map {
     matrix: Mat3,
-    /// How far the inside of a block may lie beyond the range of its corners, x and y, tiles.
+    /// Farthest that the inside of a block may lie beyond the range of its corners, x and y, tiles.
     bend: Vec2,
 }
 
@@ -385,7 +385,7 @@ fn bend(matrix: &Mat3, across: Vec2) -> Vec2 {
 }
 
 impl Earlier<'_> {
-    /// How much this picture has of a rectangle of the newest one.
+    /// Coverage of a rectangle of the newest image by this one.
     pub(super) fn has_rect(&self, rect: &PixelRect) -> Has {
         let PixelRect { min, max } = *rect;
         let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);

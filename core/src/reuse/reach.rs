@@ -1,4 +1,4 @@
-//! Which tiles of an earlier picture the tiles of a block meet.
+//! Tiles of an earlier image that the tiles of a block meet.
 
 use super::bits;
 use super::history::Earlier;
@@ -83,7 +83,7 @@ impl Reach {
         (all, any)
     }
 
-    /// How far the tiles reach beyond their own ends.
+    /// Reach of the tiles beyond their own ends.
     pub(super) fn beyond(&self) -> &Beyond {
         &self.beyond
     }
@@ -129,13 +129,13 @@ impl EdgeReach {
         Edge::ALL.map(|Edge { across, down }| all[(down + 1) as usize][(across + 1) as usize])
     }
 
-    /// How far the tiles reach beyond their own ends.
+    /// Reach of the tiles beyond their own ends.
     pub(super) fn beyond(&self) -> &Beyond {
         &self.beyond
     }
 }
 
-/// How far tiles reach beyond their own right and lower ends in an earlier picture, with room for rounding, tiles.
+/// Reach of tiles beyond their own right and lower ends in an earlier image, with room for rounding, tiles.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Beyond([f32; 2]);
 
@@ -157,8 +157,8 @@ impl Beyond {
     }
 }
 
-/// How a row of blocks lies in an earlier picture: by how far the points of each lie from their own place, tiles, x and y. The least is NaN
-/// for blocks that the picture does not show all of.
+/// Bounds of the displacement of each block of a row in an earlier image, tiles, x and y. The least is NaN for blocks that the image does
+/// not show all of.
 pub(super) struct Placed<'a> {
     pub(super) low: [&'a [f32]; 2],
     pub(super) high: [&'a [f32]; 2],

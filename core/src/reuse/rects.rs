@@ -30,8 +30,8 @@ impl Edge {
         Self { across: 1, down: 1 },
     ];
 
-    /// How much of a point within `rect`, which this edge is, is taken from an earlier picture, 0..=1: all next to the tile
-    /// beside it, and less from there, to nothing on the other side.
+    /// Weight of the earlier image at a point within `rect`, the rectangle of this edge, 0..=1: 1 next to the adjacent tile,
+    /// falling to 0 at the other side.
     pub fn share(self, rect: &PixelRect, point: Vec2) -> f32 {
         let along = (point - rect.min) / (rect.max - rect.min);
         let axis = |side: i8, along: f32| match side {
@@ -103,7 +103,7 @@ pub struct TileRects {
     rects: Vec<TileRect>,
     /// Of the row that is being filled.
     row: Vec<TileRect>,
-    /// Where in `rects` those are that end with the row before.
+    /// Indices in `rects` of the rectangles that end with the row before.
     open: Vec<usize>,
     /// The same of the row that is being filled.
     next: Vec<usize>,
@@ -159,7 +159,7 @@ impl TileRects {
         self.rects.is_empty()
     }
 
-    /// How many there are.
+    /// Number of rectangles.
     pub fn len(&self) -> usize {
         self.rects.len()
     }
@@ -176,7 +176,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Whatever is added comes out, each tile once.
+        /// Every added tile comes out once.
         #[test]
         fn rectangles_have_the_tiles_that_were_added(
             columns in 1usize..12, tiles in prop::collection::vec(prop::bool::weighted(0.7), 0..120), edge in 0usize..9,

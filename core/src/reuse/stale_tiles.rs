@@ -193,7 +193,7 @@ impl StaleTiles {
         })
     }
 
-    /// How many tiles go into the width and height of the picture, the last one cut off where they do not fit.
+    /// Width and height of the image, tiles, with a fraction where the border cuts off the last one.
     pub fn tiles_across(&self) -> Vec2 {
         let axis = |axis: usize| self.extent[axis] as f32 / self.texel[axis].max(1) as f32;
         Vec2::new(axis(0), axis(1))

@@ -1,4 +1,4 @@
-//! Where content was seen to change a moment ago.
+//! Recent visible changes of content.
 
 use super::{CELLS, Cell, CellAges};
 
@@ -7,7 +7,7 @@ use super::{CELLS, Cell, CellAges};
 pub struct Activity {
     /// For how many frames more, by cell; 0: it is not among `cells`.
     left: Vec<u8>,
-    /// How urgent it is, by cell.
+    /// Urgency of a refresh, by cell.
     needs: Vec<f32>,
     cells: Vec<Cell>,
     frame: Option<u64>,
@@ -52,7 +52,7 @@ impl Activity {
         self.is_cut = true;
     }
 
-    /// How many cells ask.
+    /// Number of cells that ask for a refresh.
     pub fn count(&self) -> usize {
         self.cells.len()
     }

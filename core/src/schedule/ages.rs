@@ -38,7 +38,7 @@ pub struct CellAges {
     due: Vec<u8>,
     /// The same by lines, by eye.
     lines: [DueLines; 2],
-    /// How urgent a refresh is, 0 where none is wanted.
+    /// Urgency of a refresh, 0 if none is wanted.
     needs: Vec<f32>,
     /// Cells with a need above 0.
     wanted: Vec<Cell>,

@@ -74,8 +74,8 @@ impl Cell {
     }
 }
 
-/// How far the phase moves on from one row of patches to the next, by period: the lattice whose patches of equal
-/// phase are farthest apart. Any `period` patches in a row have all phases, which is what keeps the load even.
+/// Shift of the phase from one row of patches to the next, by period: the lattice whose patches of equal phase are farthest
+/// apart. Any `period` patches in a row have all phases, which keeps the load even.
 const ROW_SHIFT: [u8; MAX_FACTOR as usize + 1] = [0, 0, 1, 1, 2, 2, 2, 2, 3, 3];
 
 /// Phase of a patch in [`Phase::Staggered`], 0..period, for periods 1..=9.
@@ -87,7 +87,7 @@ pub(super) fn patch_phase(patch: usize, period: u8) -> u8 {
 /// Units of a [`FacePoint`] along the edge of a cell.
 pub(super) const FINE: usize = 256;
 
-/// Where a direction meets the cube.
+/// Intersection of a direction with the cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FacePoint {
     /// 0..6: +x, -x, +y, -y, +z, -z.
@@ -120,7 +120,7 @@ impl FacePoint {
     }
 }
 
-/// Where a direction that lies on the side of `face` meets the face's plane, as [`FacePoint`] has it; beyond the
+/// Intersection of a direction that lies on the side of `face` with the face's plane, in the units of [`FacePoint`]; beyond the
 /// face, outside of its range.
 pub(super) fn on_face(direction: Vec3, face: usize) -> [i16; 2] {
     let axis = face / 2;

@@ -1,4 +1,4 @@
-//! How often each region is rendered: the frame rate configurations of paper B.
+//! Update period of each region: the frame rate configurations of paper B.
 
 use std::fmt;
 use std::str::FromStr;
@@ -146,7 +146,7 @@ pub enum ConfigurationError {
     /// A factor out of range.
     #[error("region {region} has factor {factor}; {ALLOWED}")]
     Factor {
-        /// Which region, 1 is the centre.
+        /// Number of the region; 1 is the centre.
         region: usize,
         /// Its factor.
         factor: u8,
@@ -154,7 +154,7 @@ pub enum ConfigurationError {
     /// A factor below, or more than one above, that of the region inside.
     #[error("region {region} has factor {factor} after {before}; {ALLOWED}")]
     Step {
-        /// Which region, 2..=5.
+        /// Number of the region, 2..=5.
         region: usize,
         /// Its factor.
         factor: u8,

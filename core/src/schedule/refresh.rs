@@ -69,8 +69,8 @@ impl Default for RefreshSettings {
 }
 
 impl RefreshSettings {
-    /// How much a change at an eccentricity in degrees asks for a refresh: above 1, the larger the sooner. A change that is NaN,
-    /// or a threshold that is not above 0, asks for it infinitely.
+    /// Urgency of a refresh for a change at an eccentricity in degrees: above 1 a refresh is wanted, the larger the sooner.
+    /// Infinite for a change that is NaN, or a threshold that is not above 0.
     pub fn need(&self, change: f32, visible: &VisibleChange, eccentricity_deg: f32) -> f32 {
         let threshold = self.change * visible.at(eccentricity_deg);
         if change.is_nan() || threshold.is_nan() || threshold <= 0.0 {

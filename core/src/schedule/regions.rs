@@ -4,7 +4,7 @@ use super::configuration::{REGIONS, UpdateConfiguration};
 use crate::geometry::ImagePlane;
 use glam::{DVec3, Vec2, Vec3};
 
-/// Where the regions of paper B end.
+/// Boundaries of the regions of paper B.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regions {
     /// Outer radii of the first four regions, degrees of eccentricity, not falling; the fifth is the rest. An
@@ -21,8 +21,7 @@ impl Default for Regions {
 }
 
 impl Regions {
-    /// Which region an eccentricity in degrees lies in, 0 (centre) ..= 4. NaN is 0: what cannot be placed is
-    /// treated as looked at.
+    /// Region of an eccentricity in degrees, 0 (centre) ..= 4. NaN gives 0, as if looked at.
     pub fn region_at(&self, eccentricity_deg: f32) -> usize {
         let mut region = 0;
         // Each radius that is passed counts once, which has no branch and is right for radii that do not fall.
@@ -38,8 +37,8 @@ impl Regions {
         Self { radii_deg: self.radii_deg.map(|radius| radius + deg.max(0.0)) }
     }
 
-    /// How many pixels of an image of `extent` pixels lie in each region: pixels are counted at their centre, `gaze`
-    /// is in view space. A gaze without a meaning (zero, not finite) puts all into the first.
+    /// Number of pixels of an image of `extent` pixels in each region: pixels are counted at their centre, `gaze` is in view
+    /// space. A gaze without a meaning (zero, not finite) puts all into the first.
     pub fn pixel_counts(&self, plane: &ImagePlane, extent: [u32; 2], gaze: Vec3) -> [u64; REGIONS] {
         let mut counts = [0; REGIONS];
         let Some(gaze) = gaze.as_dvec3().try_normalize().filter(|gaze| gaze.is_finite()) else {

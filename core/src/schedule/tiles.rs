@@ -1,4 +1,4 @@
-//! Which cells the tiles of an image touch.
+//! Cells that the tiles of an image touch.
 
 use super::cells::{Cell, FINE, FacePoint, SIDE, on_face, sign};
 use crate::geometry::{View, rotation};
@@ -20,10 +20,10 @@ pub struct TileCells {
     lines_touched: Vec<LineSpan>,
     /// The columns of cells.
     columns_touched: Vec<ColumnSpan>,
-    /// Those without a block.
+    /// Indices of the tiles without a block.
     large: Vec<u32>,
     corners: Corners,
-    /// Where the tiles' edges lie, pixels from the left.
+    /// Positions of the tiles' edges, pixels from the left.
     lines: Vec<f32>,
     /// The corners along the upper and the lower edge of a row of tiles.
     edges: [Edge; 2],
@@ -148,7 +148,7 @@ impl TileCells {
         (&self.lines_touched, &self.columns_touched)
     }
 
-    /// Which tiles have no block, counted row by row, and their cells.
+    /// Tiles without a block, counted row by row, and their cells.
     pub(super) fn large(&self) -> impl Iterator<Item = (usize, Touched)> {
         self.large.iter().map(|&index| (index as usize, self.at(index as usize)))
     }
@@ -261,7 +261,7 @@ const _: () = assert!(SIDE < 1 << ColumnSpan::COLUMN_BITS && LineSpan::COUNT <= 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touched(pub(super) Cells);
 
-/// Which they are.
+/// Set of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cells {
     /// Nearly always: within one face.

@@ -17,11 +17,11 @@ pub struct Capture(Arc<Shared>);
 pub struct CapturedFeatures {
     /// Counts sets of features, from 1.
     pub serial: u64,
-    /// How long ago the last sample that counts was heard, nanoseconds.
+    /// Time since the last sample that counts was captured, nanoseconds.
     pub age_ns: u64,
     /// The features.
     pub features: AudioFeatures,
-    /// How much of the last seconds was heard as it was played, 0..=1.
+    /// Share of the last seconds that was captured intact, 0..=1.
     pub confidence: f32,
 }
 

@@ -6,7 +6,7 @@ use crate::shared::{Begun, Shared};
 use parafovea_core::audio::{AudioFeatures, Continuity, FeatureExtractor, FormatError, INTERVAL_S};
 use std::time::Duration;
 
-/// How often the ring is emptied: the longest wait of a sound in it.
+/// Interval at which the ring is emptied: the longest wait of a sound in it.
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// Hears until the capture ends.
@@ -43,7 +43,7 @@ struct Stream {
     was_muted: bool,
 }
 
-/// How much of the hop that is not complete yet was heard.
+/// Captured part of the hop that is not complete yet.
 #[derive(Clone, Copy, Default)]
 struct Hop {
     /// Samples of a whole hop.

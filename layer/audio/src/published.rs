@@ -3,8 +3,8 @@
 use parafovea_core::audio::AudioFeatures;
 use std::sync::atomic::{AtomicU64, Ordering, fence};
 
-/// How often a reader tries again when a set of features was written meanwhile. They come ten times a second, and to
-/// read them takes nanoseconds.
+/// Number of tries of a reader when sets of features are written meanwhile. They come ten times a second, and to read them takes
+/// nanoseconds.
 const TRIES: u32 = 8;
 
 /// Features, and how far they can be relied on.
@@ -16,7 +16,7 @@ pub struct Set {
     pub heard_ns: u64,
     /// The features.
     pub features: AudioFeatures,
-    /// How much of the last seconds was heard as it was played, 0..=1.
+    /// Share of the last seconds that was captured intact, 0..=1.
     pub confidence: f32,
 }
 

@@ -4,7 +4,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How much sound fits in, milliseconds: several times as much as comes in one piece.
+/// Capacity, milliseconds of sound: several times as much as comes in one piece.
 const LENGTH_MS: u64 = 500;
 
 /// The format of a stream's samples.
@@ -69,7 +69,7 @@ impl Reader {
         }
     }
 
-    /// How many samples were lost since this was asked last.
+    /// Number of samples that were lost since the last call.
     pub fn lost(&self) -> u64 {
         self.lost.swap(0, Ordering::Relaxed)
     }

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 pub struct Settings {
     /// The source of the sound.
     pub source: Source,
-    /// How it is summed up.
+    /// Settings of its features.
     pub features: AudioSettings,
-    /// T_s of paper A's Algorithm 1: how often features are published, seconds, 0.1..=1, rounded to 0.1.
+    /// T_s of paper A's Algorithm 1: interval at which features are published, seconds, 0.1..=1, rounded to 0.1.
     pub interval_s: f32,
 }
 

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How soon a thread notices that it shall end.
+/// Longest time until a thread notices that it shall end.
 const NOTICE: Duration = Duration::from_millis(50);
 
 /// State shared by the threads of a capture.

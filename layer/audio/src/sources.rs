@@ -1,4 +1,4 @@
-//! Where samples come from: the thread that gets them, and writes them into the ring.
+//! Sources of samples: the thread that gets them, and writes them into the ring.
 
 mod loopback;
 mod pulse;
@@ -8,7 +8,7 @@ use crate::settings::Source;
 use crate::shared::Shared;
 use std::time::Duration;
 
-/// How long after a failure it is tried anew.
+/// Time after a failure until the next try.
 const AGAIN: Duration = Duration::from_millis(250);
 
 /// Gets samples until the capture ends.

@@ -47,7 +47,7 @@ const WHITE_CD_M2: f32 = 100.0;
 const SIDES: [u32; 2] = [1024, 2160];
 const TURNS: u64 = 15;
 
-/// How often a submit holds a kernel of pictures, and one of tiles.
+/// Number of times that a submit runs a kernel of pictures, and one of tiles.
 const PICTURES: u32 = 2;
 const DECISIONS: u32 = 16;
 

@@ -3,7 +3,7 @@
 use std::ffi::c_void;
 use std::marker::PhantomData;
 
-/// How every structure of a chain begins: `XrBaseInStructure`, `VkBaseInStructure`.
+/// Common header of the structures of a chain: `XrBaseInStructure`, `VkBaseInStructure`.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Header {

@@ -75,7 +75,7 @@ pub struct Masks {
     has_template: AtomicBool,
     /// Asked for with the first mask; nothing where there is no device to compile on.
     kernels: Mutex<Option<Later<MaskKernels>>>,
-    /// Those for images of several samples, asked for with the first mask of a pass that draws to such.
+    /// Kernels for images of several samples, requested with the first mask of a pass that draws to such an image.
     sample_kernels: Table<SampleKind, Arc<Later<SampleKernel>>>,
     /// Render passes that load depth where the application's clear it, by those.
     loading: Table<vk::RenderPass, vk::RenderPass>,
@@ -102,7 +102,7 @@ pub struct Masks {
 }
 
 impl Masks {
-    /// Those of a device without rate attachments.
+    /// Masks of a device without rate attachments.
     ///
     /// # Safety
     ///

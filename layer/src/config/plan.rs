@@ -82,7 +82,7 @@ pub fn wants_contrast(config: &Config, on_cpu: bool) -> bool {
     wants_maps(config) && RatesSource::of(config, on_cpu).has_contrast()
 }
 
-/// How sound and contrast lead to rates: by castleCSF, within the configured limits.
+/// Settings for shading rates by sound and contrast: by castleCSF, within the configured limits.
 fn audio_visual(config: &Config, fixed: FixedFoveation) -> AudioVisual {
     let usual = AudioVisual::default();
     let silence = match config.rates.silence {
@@ -109,14 +109,14 @@ pub fn wants_reuse(config: &Config) -> bool {
     wants_maps(config) && config.reuse.mode != ReuseMode::Off
 }
 
-/// In how many frames the outermost region is rendered once.
+/// Number of frames in which the outermost region is rendered once.
 pub fn longest_period(config: &Config) -> u32 {
     config.reuse.periods.of_regions().into_iter().max().unwrap_or(1).into()
 }
 
-/// How many images the application needs so that pictures of a whole period stay while it draws one or two more. Where a few more
-/// are a whole number of all periods, so many: an image then has the same turn again and again, and what leaves tiles out of it
-/// stays as it is while nothing moves.
+/// Number of images that the application needs so that pictures of a whole period stay while it draws one or two more. If a slightly
+/// larger number is a multiple of all periods, that number: an image then always has the same turn, and the tiles left out of it stay
+/// the same while nothing moves.
 pub fn images_for_reuse(config: &Config) -> u32 {
     const FEW: u32 = 2;
     let least = longest_period(config) + 2;
@@ -125,7 +125,7 @@ pub fn images_for_reuse(config: &Config) -> u32 {
     (least..=least + FEW).find(is_round).unwrap_or(least)
 }
 
-/// How the gaze is judged. One from a file may rest for ever.
+/// Settings of the gaze tracking. A gaze from a file may rest for ever.
 pub fn gaze_settings(config: &Config) -> GazeSettings {
     let settings = GazeSettings { hold_ms: config.gaze.hold_ms as f32, ..GazeSettings::default() };
     match config.gaze.source {

@@ -31,7 +31,7 @@ impl Scope {
     };
 }
 
-/// How masked passes read their buffers: as list, as arguments, and as template, which may be drawn to an image.
+/// Read accesses of masked passes to their buffers: as list, as arguments, and as template, which may be drawn to an image.
 const BUFFER_READS: Scope = Scope {
     stages: vk::PipelineStageFlags::from_raw(
         vk::PipelineStageFlags::COMPUTE_SHADER.as_raw()
@@ -46,7 +46,7 @@ const BUFFER_READS: Scope = Scope {
     ),
 };
 
-/// How those buffers are written.
+/// Write accesses to those buffers.
 const BUFFER_COPIES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
 
@@ -81,7 +81,7 @@ pub struct ImagePart {
     pub level: u32,
     /// The first array layer.
     pub first_layer: u32,
-    /// How many there are.
+    /// Number of array layers.
     pub layers: u32,
 }
 

@@ -177,7 +177,7 @@ impl WordRing {
         Ok(Self { buffer, per_submit })
     }
 
-    /// How many words each submit has.
+    /// Number of words of each submit.
     pub(crate) fn per_submit(&self) -> u32 {
         self.per_submit
     }

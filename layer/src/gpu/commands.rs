@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// How long a fence of ours may take. A frame takes milliseconds; much longer means a hanging device, and the
+/// Longest wait for a fence of ours. A frame takes milliseconds; much longer means a hanging device, and the
 /// application must not hang with it.
 const FENCE_TIMEOUT: Duration = Duration::from_secs(5);
 

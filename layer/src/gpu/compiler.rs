@@ -180,7 +180,7 @@ fn compilers() -> MutexGuard<'static, Vec<(vk::Device, Weak<Compiler>)>> {
     COMPILERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// How long the exit of a process waits for a pipeline that is being compiled.
+/// Longest wait of a process's exit for a pipeline that is being compiled.
 const LONGEST_EXIT: Duration = Duration::from_secs(2);
 
 /// Has the threads end when the process exits, before the drivers' own objects go, which were made earlier.

@@ -26,7 +26,7 @@ impl ReturnLayout {
         ComputeLayout::for_stage(gpu, &BINDINGS, vk::ShaderStageFlags::FRAGMENT).map(Self)
     }
 
-    /// How many storage buffers it takes, and as many uniform ones.
+    /// Number of storage buffers that it takes, and of uniform ones.
     pub(crate) const BUFFERS: u32 = 1;
 }
 

@@ -33,7 +33,7 @@ pub(crate) enum Output {
     Blended,
 }
 
-/// How tiles are drawn.
+/// Properties of a pipeline that draws tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TileShader {
     /// Entry point for vertices.

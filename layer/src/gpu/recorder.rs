@@ -181,7 +181,7 @@ impl<'a> Recorder<'a> {
 
 /// A comparison to run.
 pub(crate) struct Compare<'a> {
-    /// How.
+    /// Its pipeline.
     pub(crate) comparison: &'a Comparison,
     /// Set 0.
     pub(crate) parameters: vk::DescriptorSet,
@@ -191,7 +191,7 @@ pub(crate) struct Compare<'a> {
     pub(crate) textures: [vk::DescriptorSet; 2],
     /// Set 3, of a comparison that has it.
     pub(crate) depth: Option<vk::DescriptorSet>,
-    /// How many workgroups.
+    /// Number of workgroups.
     pub(crate) groups: u32,
 }
 
@@ -202,11 +202,11 @@ pub(crate) struct DrawRecorder<'a> {
 
 /// Tiles to draw.
 pub(crate) struct TileDraw<'a> {
-    /// How.
+    /// The pipeline that draws them.
     pub(crate) pipeline: &'a TilePipeline,
     /// Set 0, of the kind that the pipeline takes.
     pub(crate) parameters: vk::DescriptorSet,
-    /// As many offsets as that kind has uniforms, each from its ring.
+    /// Offsets of the uniforms of that kind, each from its ring.
     pub(crate) offsets: &'a [u32],
     /// Set 1, where the pipeline's shaders use it.
     pub(crate) texture: Option<vk::DescriptorSet>,
@@ -216,7 +216,7 @@ pub(crate) struct TileDraw<'a> {
     pub(crate) viewport: vk::Rect2D,
     /// The rectangle that may be written, within the target.
     pub(crate) scissor: vk::Rect2D,
-    /// Which instances.
+    /// Instances to draw.
     pub(crate) tiles: Range<u32>,
 }
 

@@ -22,7 +22,7 @@ pub struct Shared {
     comparisons: Made<(&'static [u8], &'static CStr), Comparison>,
     color_passes: Made<vk::Format, Owned<vk::RenderPass>>,
     interpolating: Made<(), Owned<vk::Sampler>>,
-    /// Who works with them.
+    /// Users of these objects.
     users: Mutex<Vec<Weak<Gpu>>>,
     /// Objects that their owners could not destroy, as the GPU may have used them, in their order.
     left: Mutex<Vec<Left>>,

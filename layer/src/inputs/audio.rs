@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 use std::thread::Builder;
 use std::time::Duration;
 
-/// How often it is looked for news of the library that listens.
+/// Interval between looks for news of the library that captures.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Sound input of a session.

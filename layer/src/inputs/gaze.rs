@@ -12,7 +12,7 @@ pub use look::Look;
 
 use glam::{EulerRot, Quat, Vec3};
 
-/// Where a view looks, in its own space.
+/// Direction in which a view looks, in its own space.
 pub const FORWARD: Vec3 = Vec3::NEG_Z;
 
 /// An orientation as OpenXR gives it, made a unit quaternion; `None` for one that is no rotation.

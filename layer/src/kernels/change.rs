@@ -33,11 +33,11 @@ pub struct ChangeRegion<'a> {
     pub offset: [u32; 2],
     /// The picture, and the earlier ones.
     pub reuse: Reuse<'a>,
-    /// Which tiles.
+    /// Tiles to compare.
     pub tiles: &'a ComparedTiles,
-    /// Where the earlier pictures are, for each of [`Reuse::ages`].
+    /// Locations of the earlier pictures, one for each of [`Reuse::ages`].
     pub earlier: [EarlierImage; MAX_AGES],
-    /// How the picture is looked at: given back with the results.
+    /// View of the picture: given back with the results.
     pub view: View,
     /// The depth of the picture, where [`Reuse::has_moved_since`] any.
     pub depth: Option<PictureDepth<'a>>,
@@ -46,7 +46,7 @@ pub struct ChangeRegion<'a> {
 /// The pipelines.
 pub(super) struct Comparisons {
     unmoved: Arc<Comparison>,
-    /// Where the head has moved.
+    /// For pictures between which the head has moved.
     moved: Arc<Comparison>,
 }
 
@@ -88,9 +88,9 @@ struct Room {
 struct Pending {
     /// Its number; 0: there is none, or its results were read.
     submit: u64,
-    /// Where its results begin.
+    /// Place of its first result.
     place: u32,
-    /// How its pictures are looked at, and how many tiles of each are compared.
+    /// Views of its pictures, and number of compared tiles of each.
     views: SmallVec<[(View, usize); MAX_COMPARED]>,
     /// The tiles of all.
     tiles: Vec<u32>,

@@ -55,13 +55,13 @@ pub struct ComposeRegion {
 /// One image to copy and process. An image appears in one job of a submit only.
 #[derive(Clone, Copy)]
 pub struct ComposeJob<'a> {
-    /// Where the picture comes from.
+    /// The application's images, the source.
     pub app: &'a AppImages,
-    /// Which of those images.
+    /// Index of the source image.
     pub app_index: u32,
-    /// Where it goes; of the same format, extent and layers.
+    /// The runtime's images, the destination; of the same format, extent and layers.
     pub runtime: &'a RuntimeImages,
-    /// Which of those images.
+    /// Index of the destination image.
     pub runtime_index: u32,
     /// Processed regions; all the rest is only copied. Where regions overlap, the last one counts.
     pub regions: &'a [ComposeRegion],

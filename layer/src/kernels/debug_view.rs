@@ -23,11 +23,11 @@ pub const MOST_PICTURES: usize = 2;
 /// One picture that is drawn over.
 #[derive(Clone, Copy)]
 pub struct DebugViewJob<'a> {
-    /// Whose picture it is, 0 or 1: each eye has a map of its own, and there is one picture of an eye at most.
+    /// Index of the picture's eye, 0 or 1: each eye has a map of its own, and there is one picture of an eye at most.
     pub eye: usize,
-    /// Where the picture is.
+    /// The runtime's images, one of which is the picture.
     pub runtime: &'a RuntimeImages,
-    /// Which of those images.
+    /// Index of that image.
     pub runtime_index: u32,
     /// The array layer.
     pub array_layer: u32,

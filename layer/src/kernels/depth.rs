@@ -152,10 +152,10 @@ impl DepthCopy {
     }
 }
 
-/// How copies read.
+/// Read accesses of copies.
 const READS: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_READ };
 
-/// How copies write.
+/// Write accesses of copies.
 const WRITES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };

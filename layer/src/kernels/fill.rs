@@ -21,7 +21,7 @@ pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
 
-/// How a picture that is drawn to in a format is filled, and the format of the copy in which it is; nothing for formats
+/// Kind of fill for a picture that is drawn to in a format, and the format of the copy in which it is filled; `None` for formats
 /// that are not filled.
 pub fn fill_format(format: vk::Format) -> Option<(FillFormat, vk::Format)> {
     let (kind, view) = match format {
@@ -97,7 +97,7 @@ impl SkipBuffer {
         self.buffer.handle()
     }
 
-    /// How many 32-bit words it has room for.
+    /// Capacity in 32-bit words.
     pub fn capacity_words(&self) -> usize {
         self.words
     }
@@ -115,7 +115,7 @@ pub struct FillTarget {
 }
 
 impl FillTarget {
-    /// How it fills.
+    /// Kind of its fill.
     pub fn format(&self) -> FillFormat {
         self.format
     }
@@ -203,11 +203,11 @@ impl Fill {
     }
 }
 
-/// How copies read.
+/// Read accesses of copies.
 const READS: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_READ };
 
-/// How copies write.
+/// Write accesses of copies.
 const WRITES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
 

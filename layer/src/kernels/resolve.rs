@@ -39,7 +39,7 @@ impl RateMapTexels {
         self.texels.handle()
     }
 
-    /// How many there are.
+    /// Number of texels.
     pub fn len(&self) -> usize {
         self.len as usize
     }

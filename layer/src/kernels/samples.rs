@@ -79,7 +79,7 @@ pub struct SampleFill {
 /// Skipped blocks, for the GPU.
 #[derive(Clone, Copy)]
 pub struct Skipped {
-    /// How the words are read.
+    /// Parameters of reading the words.
     pub params: SampleParams,
     /// The template, a storage buffer that outlives all objects that name it.
     pub words: vk::Buffer,
@@ -197,10 +197,10 @@ impl SampleFill {
     }
 }
 
-/// How copies read.
+/// Read accesses of copies.
 const READS: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_READ };
 
-/// How copies write.
+/// Write accesses of copies.
 const WRITES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };

@@ -21,7 +21,7 @@ pub struct CapabilitiesRecord {
     pub backend: u32,
     /// Size of a tile, pixels.
     pub texel: [u32; 2],
-    /// How many of `rates` there are.
+    /// Number of valid entries in `rates`.
     pub rate_count: u32,
     /// Rates that the device has, as texels of a rate image (`ShadingRate::texel`), in any order.
     pub rates: [u8; 16],
@@ -66,7 +66,7 @@ pub struct PlanRecord {
     pub eyes: [EyeMapRecord; 2],
 }
 
-/// How the tiles of one eye's picture are rendered.
+/// Map of the tiles of one eye buffer: their rates, or the parameters of a decision on the GPU.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EyeMapRecord {
@@ -87,7 +87,7 @@ pub struct EyeMapRecord {
     pub fixed: DecideParams,
     /// Parameters of the decision where contrast counts.
     pub judged: DecideParams,
-    /// How the view is turned against a space that rests in the world: x, y, z, w.
+    /// Orientation of the view in a space that rests in the world: x, y, z, w.
     pub orientation: [f32; 4],
 }
 
@@ -101,7 +101,7 @@ pub struct PictureRecord {
     pub queue: [u32; 2],
     /// The XrSwapchain that it belongs to; that is said to end before its images are destroyed.
     pub swapchain: u64,
-    /// Where it is, with the usage SAMPLED, in COLOR_ATTACHMENT_OPTIMAL.
+    /// Image that contains it, with the usage SAMPLED, in COLOR_ATTACHMENT_OPTIMAL.
     pub image: vk::Image,
     /// Format of the view that it is read through.
     pub format: vk::Format,
@@ -111,7 +111,7 @@ pub struct PictureRecord {
     pub rect: [u32; 4],
     /// [`ImagePlane::origin`](parafovea_core::geometry::ImagePlane::origin) of its view, and the step.
     pub plane: [[f32; 2]; 2],
-    /// How its view was turned, as [`EyeMapRecord::orientation`].
+    /// Orientation of its view, as [`EyeMapRecord::orientation`].
     pub orientation: [f32; 4],
     /// Luminance of white, cd/m^2.
     pub white_cd_m2: f32,
@@ -178,9 +178,9 @@ pub struct StaleRecord {
     pub extent: [u32; 2],
     /// Size of a tile, pixels.
     pub texel: [u32; 2],
-    /// Where `words` are written to, if there is room for all.
+    /// Destination of the words, if there is room for all.
     pub words: *mut u32,
-    /// For how many there is room.
+    /// Capacity of `words`, in words.
     pub capacity: u32,
     /// Number of words, 0 for a fresh picture; the caller asks again with more room if it exceeds `capacity`.
     pub count: u32,
@@ -260,7 +260,7 @@ pub struct FrameTimeRecord {
     pub analysis_ns: u64,
 }
 
-/// Where the rates that the GPU decided for an eye's tiles shall be copied to.
+/// Destination for a copy of the rates that the GPU decided for an eye's tiles.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct RatesCopyRecord {
@@ -272,7 +272,7 @@ pub struct RatesCopyRecord {
     pub tiles: [u32; 2],
     /// A buffer that may be copied to, and lives until a later submit to that queue has finished. Fragment shaders may be reading it.
     pub buffer: vk::Buffer,
-    /// Where in it, bytes, a multiple of 4: a byte for each tile (`ShadingRate::texel`), rows that begin with whole words.
+    /// Offset in `buffer`, bytes, a multiple of 4. A byte is copied for each tile (`ShadingRate::texel`), in rows that begin with whole words.
     pub offset: u64,
 }
 

@@ -11,7 +11,7 @@ pub struct ImageKey(pub u64);
 /// Properties of an image that recognition needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageDescription {
-    /// Which image.
+    /// Key of the image.
     pub key: ImageKey,
     /// Size of level 0, pixels.
     pub extent: [u32; 2],
@@ -55,7 +55,7 @@ pub enum Event {
 pub struct Pass {
     /// Colour attachments of all subpasses, each once, input attachments that are also written among them.
     pub colors: SmallVec<[Target; 8]>,
-    /// Where colour attachments are resolved to at the end, in the order of `colors`.
+    /// Targets to which colour attachments are resolved at the end, in the order of `colors`.
     pub resolves: SmallVec<[Target; 4]>,
     /// Depth attachment, if any.
     pub depth: Option<Target>,

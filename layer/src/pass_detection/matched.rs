@@ -4,31 +4,31 @@ use ash::vk;
 use smallvec::SmallVec;
 use std::fmt;
 
-/// A pass that makes the picture of an eye, or of both.
+/// A pass that makes the eye buffer of an eye, or of both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
-    /// Parts of its target, and the eye that each shows. They may lie over each other: then each pixel is both, and what is finer holds.
-    /// What is in none of them is no eye's.
+    /// Parts of its target, and the eye that each shows. They may lie over each other: then each pixel is both, and the finer rate holds.
+    /// A pixel in none of them is no eye's.
     pub parts: SmallVec<[Part; 4]>,
-    /// How this is known.
+    /// Evidence of the match.
     pub how: How,
 }
 
 /// A rectangle of a target that shows the whole picture of an eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Of which eye.
+    /// Eye that it shows.
     pub eyes: Eyes,
     /// Array layer, counted from the first one of the target (with multiview: the view).
     pub layer: u32,
     /// x, y, width, height as fractions of the render area, so that it follows where that is resized. It may reach
     /// beyond 0..1, where the pass draws a part of the picture only.
     pub rect: [f32; 4],
-    /// Which way up it is.
+    /// Vertical orientation of the picture.
     pub orientation: Orientation,
 }
 
-/// Whose picture it is.
+/// Eye or eyes of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Eyes {
     /// The left eye's.
@@ -39,7 +39,7 @@ pub enum Eyes {
     Finer,
 }
 
-/// Which way up a picture is.
+/// Vertical orientation of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Orientation {
     /// The first row is the top, as in the plan.

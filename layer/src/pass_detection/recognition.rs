@@ -41,7 +41,7 @@ pub struct Recognition {
     provenance: Provenance,
     /// When cameras were last found that the picture comes from.
     found_at: Option<u64>,
-    /// How many cameras the last unknown reader may have read, and since when it was as many.
+    /// Number of cameras that the last unknown reader may have read, and the first frame with this number.
     candidates: (usize, u64),
     feedback: FeedbackEvidence,
     /// When the picture was last seen to be drawn without passes before it.
@@ -285,7 +285,7 @@ impl Recognition {
     }
 }
 
-/// How many passes before `pass` draw its first image, with depth as it has, or without.
+/// Number of passes before `pass` that draw its first image, with depth if it has depth, else without.
 fn ordinal(pass: &Pass, earlier: &[Event]) -> usize {
     let is_before = |event: &&Event| matches!(event, Event::Pass(other) if is_in_sequence(other, pass));
     earlier.iter().filter(is_before).count()

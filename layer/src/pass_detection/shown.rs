@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SwapchainKey(pub u64);
 
-/// Which of the two views of stereo.
+/// One of the two views of stereo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Eye {
     /// View 0 of primary stereo.
@@ -30,7 +30,7 @@ pub struct Shown {
 /// One view of a projection layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownView {
-    /// Of which eye; nothing for the insets of quad views, which stay at 1x1.
+    /// Eye of the view; `None` for the insets of quad views, which stay at 1x1.
     pub eye: Option<Eye>,
     /// The swapchain.
     pub swapchain: SwapchainKey,

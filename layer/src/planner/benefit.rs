@@ -15,7 +15,7 @@ pub struct EndedFrame {
     pub clock: Clock,
     /// The techniques in the maps of recognised passes.
     pub wanted: Techniques<bool>,
-    /// How many passes it gave maps to.
+    /// Number of passes that it gave maps to.
     pub passes: u32,
     /// A number that tells the set of passes that it recognised as an eye's picture, whether they got maps or not, from other sets; 0: none.
     pub eye_passes: u32,

@@ -1,4 +1,4 @@
-//! How many frames a second there are.
+//! The frame rate.
 
 /// The window of the average, nanoseconds.
 const WINDOW_NS: f32 = 1e9;

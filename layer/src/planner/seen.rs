@@ -10,9 +10,9 @@ use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
 /// An overlay over an eye's picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DebugOverlay {
-    /// Where the eyes are taken to look, or the direction of the dot, in the view's space, of any length; all 0 where that is not known.
+    /// Assumed direction of the gaze, or the direction of the dot, in the view's space, of any length; all 0 if it is not known.
     pub gaze: Vec3,
-    /// How the map is divided.
+    /// Size of the map, and of its tiles.
     pub shape: MapShape,
     /// Whether the map holds only where the GPU has decided nothing.
     pub is_decided_on_gpu: bool,
@@ -20,7 +20,7 @@ pub struct DebugOverlay {
 
 impl Planning {
     /// The overlay of an eye's newest plan for `view`; its map, if it has one, goes to `map`. Nothing without a plan. The dot of
-    /// [`DebugView::Ahead`] is `dot_deg` to the left and upwards of straight ahead.
+    /// [`DebugView::Ahead`] is `dot_deg` to the left and upwards of the centre of the view.
     pub fn seen(
         &self,
         config: &Config,

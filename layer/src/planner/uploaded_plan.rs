@@ -30,7 +30,7 @@ struct Map {
     tiles: [u32; 2],
     bytes: Vec<u8>,
     decision: Option<Decision>,
-    /// How much coarser tiles may still become after the last change.
+    /// Amount by which tiles may still become coarser after the last change, 64ths of an octave.
     unsettled: u32,
 }
 

@@ -23,7 +23,7 @@ const LONGEST_FOLLOWED_M: f32 = 0.05;
 pub struct View {
     /// From the view's space to that in which it was located.
     pub orientation: Quat,
-    /// Where it is in that space, metres.
+    /// Position in that space, metres.
     pub position: Vec3,
     /// Angles of its edges.
     pub fov: Fov,
@@ -38,7 +38,7 @@ pub struct ShownView {
     pub extent: [u32; 2],
 }
 
-/// How the head is turned that has these views: as their mean, as the VIEW space is defined. `None` without views.
+/// Orientation of the head that has these views: their mean, as the VIEW space is defined. `None` without views.
 pub fn head_of(views: impl IntoIterator<Item = Quat>) -> Option<Quat> {
     let mut views = views.into_iter();
     let first = views.next()?;
@@ -52,11 +52,11 @@ pub fn head_of(views: impl IntoIterator<Item = Quat>) -> Option<Quat> {
 pub struct Views {
     eyes: [Eye; 2],
     nearest_m: Option<f32>,
-    /// Where the head is, in the space in which the application locates its views, metres.
+    /// Position of the head in the space in which the application locates its views, metres.
     head: Option<Vec3>,
-    /// Where it was in the frame before.
+    /// Its position in the frame before.
     last_head: Option<Vec3>,
-    /// How far it moved within the last frame, metres.
+    /// Distance that it moved within the last frame, metres.
     moved_m: f32,
     /// Whether re-used tiles are followed by their depth.
     is_followed: bool,
@@ -91,10 +91,10 @@ impl Views {
         self.last_head = self.head;
     }
 
-    /// How far the nearest object is out of place in a picture that is a frame old, arc minutes, after the head's turn is accounted for, as
-    /// fast as the head moved from the frame before the last one to that.
+    /// Displacement of the nearest object in a picture that is a frame old, arc minutes, after the head's turn is accounted for. The head's
+    /// speed is that from the frame before the last one to the last one.
     ///
-    /// Nothing where what is re-used is followed by its depth.
+    /// 0 while re-used tiles are followed by their depth, unless the head moves too far for that.
     pub fn drift_arcmin(&self) -> f32 {
         if self.is_followed && self.moved_m <= LONGEST_FOLLOWED_M {
             return 0.0;
@@ -146,12 +146,12 @@ impl Views {
         self.nearest_m.map_or(NEAREST_ASSUMED_M, |nearest| nearest.max(NEAREST_ASSUMED_M))
     }
 
-    /// Where both eyes are in the space of the head, metres.
+    /// Positions of both eyes in the space of the head, metres.
     pub fn positions(&self) -> [Vec3; 2] {
         self.eyes.each_ref().map(|eye| eye.position)
     }
 
-    /// Both views: fields of view, and how they are turned against the head. Nothing for a single one.
+    /// Both views: fields of view, and orientations relative to the head. `None` for a single one.
     pub fn seen(&self) -> Option<[(Fov, Quat); 2]> {
         let [left, right] = self.eyes.each_ref().map(|eye| eye.fov.map(|fov| (fov, eye.orientation)));
         Some([left?, right?])
@@ -167,7 +167,7 @@ impl Views {
         self.are_known().then(|| self.eyes.each_ref().map(Eye::input))
     }
 
-    /// How an eye's view is turned against the head.
+    /// Orientation of an eye's view relative to the head.
     pub fn orientation(&self, eye: usize) -> Quat {
         self.eyes[eye].orientation
     }

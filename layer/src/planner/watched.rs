@@ -1,4 +1,4 @@
-//! Where changes of content are looked for.
+//! Parts of pictures that are searched for changes of content.
 
 use super::Planning;
 use glam::{Quat, Vec3};
@@ -47,7 +47,7 @@ impl Watched {
         Self { orientation: Quat::IDENTITY, centres: [centre; 2], cosine }
     }
 
-    /// How the view was turned in the world when its picture was planned.
+    /// Orientation of the view in the world when its picture was planned.
     pub fn orientation(&self) -> Quat {
         self.orientation
     }

@@ -1,4 +1,4 @@
-//! Where the tiles of plans lie under the texels of a layer. That takes many divisions, and changes only with the sizes of pictures and
+//! Layout of the tiles of plans under the texels of a layer. It takes many divisions, and changes only with the sizes of pictures and
 //! passes, so it is kept from frame to frame.
 
 use super::rates::FULL;
@@ -33,7 +33,7 @@ impl Layouts {
     }
 }
 
-/// Where the tiles of plans lie under the texels of a layer: no texel is coarser than the finest tile under it.
+/// Layout of the tiles of plans under the texels of a layer: no texel is coarser than the finest tile under it.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     image: RateImage,
@@ -56,12 +56,12 @@ struct Limit {
     columns: Columns,
 }
 
-/// How columns of the rate image meet columns of the plan.
+/// Columns of the plan that columns of the rate image meet.
 #[derive(Clone, Debug)]
 enum Columns {
     /// One each, in turn: first and end column, first of the plan.
     Straight(usize, usize, usize),
-    /// At most one each: which, or [`NONE`].
+    /// At most one each: its index, or [`NONE`].
     Single(Vec<u8>),
     Several(Vec<Span>),
 }
@@ -244,7 +244,7 @@ fn finest(rates: &[u8]) -> u8 {
     }
 }
 
-/// Where each column meets one column of the plan, and they follow each other: first and end column, first of the plan.
+/// First and end column, and first of the plan; `None` unless each column meets one column of the plan, and they follow each other.
 fn straight(columns: &[Span]) -> Option<(usize, usize, usize)> {
     let from = columns.iter().position(|span| !span.is_empty())?;
     let to = columns.iter().rposition(|span| !span.is_empty())? + 1;

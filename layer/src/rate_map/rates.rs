@@ -100,7 +100,7 @@ pub(super) struct UsedRates(u32);
 impl UsedRates {
     const COARSENS: u32 = 1 << 16;
 
-    /// Those of both.
+    /// Rates of both.
     pub(super) fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }

@@ -11,7 +11,7 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Those of `from..to` that are within `0..count`.
+    /// Part of `from..to` that is within `0..count`.
     pub(super) fn within(from: i64, to: i64, count: u32) -> Self {
         let limit = |at: i64| at.clamp(0, i64::from(count)) as u32;
         Self { first: limit(from), end: limit(to) }

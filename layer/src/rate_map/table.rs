@@ -1,4 +1,4 @@
-//! Which tiles each texel of a rate image meets, for rates that are resolved on the GPU.
+//! Tiles that each texel of a rate image meets, for rates that are resolved on the GPU.
 
 use super::{EyeMap, PartRect, PartRects, RateImage, is_covered, maps, span};
 use crate::pass_detection::{Orientation, Part};

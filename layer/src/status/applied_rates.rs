@@ -8,7 +8,7 @@ use std::collections::HashSet;
 pub struct AppliedRates {
     /// Names of rates that were logged together.
     logged: HashSet<String>,
-    /// Those of the status before.
+    /// Names of the rates in the previous status.
     last: String,
 }
 

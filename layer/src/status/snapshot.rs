@@ -10,7 +10,7 @@ use parafovea_core::mask::Pattern;
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::status::{self, Status};
 
-/// How many values a texel of a rate image has, and more.
+/// Upper bound of the number of values of a texel in a rate image.
 const TEXELS: usize = 16;
 
 /// Status at the end of a frame: plain numbers, so that taking them allocates nothing.
@@ -26,27 +26,27 @@ pub struct StatusSnapshot {
     pub passes_matched: u32,
     /// Whether the application gets the gaze too.
     pub gaze_is_given: bool,
-    /// Where the gaze may come from.
+    /// Configured source of the gaze.
     pub gaze_source: GazeSource,
-    /// Where it comes from.
+    /// Source of the newest gaze.
     pub gaze_holder: Holder,
     /// Status of its packets.
     pub osc: OscStatus,
     /// Whether there was one in this frame.
     pub gaze_is_valid: bool,
-    /// How old the last one is, milliseconds.
+    /// Age of the last gaze sample, milliseconds.
     pub gaze_age_ms: Option<f32>,
-    /// How good it is.
+    /// Quality of the gaze signal.
     pub signal: SignalQuality,
     /// Delay of packets by the runtime's eye tracker, milliseconds.
     pub packet_delay_ms: Option<f32>,
-    /// How far its mean has drifted, degrees.
+    /// Drift of the mean gaze, degrees.
     pub drift_deg: Option<f32>,
-    /// Where the sound comes from.
+    /// Configured source of the sound.
     pub audio_source: AudioSource,
     /// Whether something is known of the last seconds.
     pub is_heard: bool,
-    /// How many tiles of both eyes have each rate, by its texel.
+    /// Number of tiles of both eyes at each rate, by its texel.
     pub tiles: [u32; TEXELS],
     /// Whether the GPU decides the rates of the tiles, and `tiles` hold where it cannot.
     pub gpu_decides: bool,

@@ -106,7 +106,7 @@ pub struct NextDevice {
     pub set_device_loader_data: Option<SetDeviceLoaderData>,
 }
 
-/// Where the loader's structure in an instance's chain says which layer is next.
+/// Address of the link to the next layer, in the loader's structure of an instance's chain. `None` if the chain has no such structure.
 ///
 /// # Safety
 ///

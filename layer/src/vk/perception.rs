@@ -48,11 +48,11 @@ enum Made {
 
 #[derive(Default)]
 struct State {
-    /// Where pictures are analysed: family and index, and the queue itself.
+    /// Queue that analyses pictures: its family and index, and its handle.
     queue: Option<([u32; 2], vk::Queue)>,
     eyes: [Option<Eye>; 2],
     pictures: Pictures,
-    /// How many pictures were analysed.
+    /// Number of analysed pictures.
     analyzed: u64,
     /// The last decision: number of the plan, and of the last analysis.
     decided: Option<(u64, u64)>,

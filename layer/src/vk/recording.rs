@@ -75,7 +75,7 @@ pub struct Recorded {
     pending: SmallVec<[Pending; 2]>,
     /// Passes that have cleared depth for others.
     prepasses: Prepasses,
-    /// Which of `events` is the pass that is being recorded.
+    /// Index in `events` of the pass that is being recorded.
     open: Option<usize>,
     /// The candidate of that pass, if it has one.
     target: Option<Arc<Candidate>>,

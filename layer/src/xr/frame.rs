@@ -165,15 +165,15 @@ struct FrameEnd<'a> {
     active: &'a Active,
     config: Arc<ConfigSnapshot>,
     submission: &'a Submission,
-    /// How the head is turned in spaces of its layers, each located once: runtimes may answer in another process.
+    /// Orientation of the head in the spaces of its layers, each located once: runtimes may answer in another process.
     heads: RefCell<Heads>,
 }
 
-/// How the head is turned in spaces, where that is known.
+/// Orientation of the head by space; `None` if it is unknown.
 type Heads = SmallVec<[(xr::Space, Option<Quat>); 2]>;
 
 impl FrameEnd<'_> {
-    /// How the head was turned when a layer's pictures were drawn, in the layer's space.
+    /// Orientation of the head in the layer's space at the time that the layer's eye buffers were drawn for.
     fn head_in_layer(&self, layer: &Projection<'_>) -> Option<Quat> {
         let locate = || {
             let mut heads = self.heads.borrow_mut();

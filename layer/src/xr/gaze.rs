@@ -1,7 +1,7 @@
-//! Where a session's gaze comes from, as `gaze.source` says: the eye tracker through actions ([`super::actions`]), OSC packets, or a
+//! Source of a session's gaze, selected by `gaze.source`: the eye tracker through actions ([`super::actions`]), OSC packets, or a
 //! file. Another way to ask a tracker would be one more arm of [`SessionGaze::look`].
 //!
-//! What a user asked for by name is recorded here.
+//! The gaze is recorded here, too, if `gaze.record` names a file.
 
 use super::session::Session;
 use crate::config::{Config, FilePath, GazeSource};
@@ -44,7 +44,7 @@ struct State {
     auto: Auto,
     /// Of packets, by the runtime's eye tracker.
     delay: GazeDelay,
-    /// Where the newest gaze came from.
+    /// Source of the newest gaze.
     holder: Holder,
 }
 
@@ -162,7 +162,7 @@ impl SessionGaze {
         }
     }
 
-    /// Where the eyes look at `time`. Locates on this thread.
+    /// Gaze at `time`. Locates on this thread.
     pub fn look(&self, session: &Session, config: &Config, time: xr::Time) -> Look {
         let time_ns = time.as_nanos();
         let packets = || self.state().osc.look(time_ns, latency_ns());
@@ -203,8 +203,8 @@ impl SessionGaze {
         look
     }
 
-    /// Where the eyes look at `time_ns`, for an application that the user gives the gaze to (`gaze.offer`); without a source of the
-    /// layer's own, [`Look::NoTracker`]. The layer's own gaze, its recording and measurements are not touched.
+    /// Gaze at `time_ns`, for an application that the user gives the gaze to (`gaze.offer`). [`Look::NoTracker`] without a source of
+    /// the layer's own. The layer's own gaze, its recording and measurements are not touched.
     pub fn application_look(&self, config: &Config, time_ns: i64) -> Look {
         match Offered::of(config) {
             Some(Offered::Packets) => {

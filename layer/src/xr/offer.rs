@@ -37,7 +37,7 @@ use openxr_sys::pfn;
 use std::ffi::CStr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What an instance needs to give the gaze to its application.
+/// State of an instance that gives the gaze to its application.
 pub struct Offer {
     next: OfferNext,
     /// Whether the extension is on in the runtime, whose system may have no eye gaze all the same.
@@ -87,7 +87,7 @@ impl Offer {
         Some(Self { next: functions, is_known_below, paths, input: Mutex::default() })
     }
 
-    /// What the application says of its input.
+    /// Action sets, actions and suggestions of the application.
     pub fn input(&self) -> MutexGuard<'_, OfferedInput> {
         self.input.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -147,7 +147,7 @@ impl SessionPlan {
         (time != NEVER).then(|| xr::Time::from_nanos(time))
     }
 
-    /// Where colour is kept in the left and in the right view, in the space of the head, and how it falls off from there.
+    /// Focus of full colour in the left and in the right view, in the space of the head, with the settings of the falloff around it.
     pub fn focuses(&self) -> [Option<(Focus, ChromaSettings)>; 2] {
         if self.has_failed() {
             return [None; 2];

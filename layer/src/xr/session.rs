@@ -34,11 +34,11 @@ pub struct Session {
     pub active: Option<Active>,
     /// Spaces of ours, if it is active or gives the gaze to the application, and they could be made.
     pub spaces: Option<Spaces>,
-    /// How the head is turned, by its located views.
+    /// Orientation of the head, by its located views.
     pub head: LocatedHead,
     /// State of its actions, and of ours.
     pub actions: SessionActions,
-    /// Where its gaze comes from.
+    /// Source of its gaze.
     pub gaze: SessionGaze,
     /// Actions of the application that get that gaze; `None` where the runtime gives its own, or the application asks for none.
     pub offer: Option<SessionOffer>,

@@ -50,15 +50,15 @@ impl Spaces {
 }
 
 impl Session {
-    /// How the head is turned in `space` at `time`, by the runtime.
+    /// Orientation of the head in `space` at `time`, located by the runtime.
     fn locate_head(&self, space: xr::Space, time: xr::Time) -> Option<Quat> {
         let head = self.spaces?.head;
         locate(&self.instance.next, head, space, time, xr::SpaceLocationFlags::EMPTY, ptr::null_mut())
     }
 }
 
-/// How the gaze is turned in the space of the head at `time`, where the eyes are tracked, and when they looked there; 0 where
-/// that is not known.
+/// Orientation of the gaze in the space of the head at `time`, and the time of its sample, nanoseconds, 0 if unknown. `None` if the
+/// eyes are not tracked.
 ///
 /// Source: XR_EXT_eye_gaze_interaction, `XrEyeGazeSampleTimeEXT`.
 pub fn gaze(next: &Next, gaze: xr::Space, head: xr::Space, time: xr::Time) -> Option<(Quat, i64)> {

@@ -11,7 +11,7 @@ use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
-/// Where the manifest of the Vulkan half may be, seen from the folder of this library: beside it, or as it is
+/// Candidate folders of the manifest of the Vulkan half, relative to the folder of this library: beside it, or as
 /// installed below a prefix.
 static FOLDERS: [&str; 3] = [".", "vulkan/explicit_layer.d", "../share/vulkan/explicit_layer.d"];
 

@@ -6,7 +6,7 @@ use half::f16;
 use parafovea_core::color::{linear_to_srgb, srgb_to_linear};
 use parafovea_core::image::Plane;
 
-/// The bytes of a picture in a format, and what they are read as; `decoded` is what bytes are.
+/// The bytes of a picture in a format, and the colours that are read from them; `decoded` has the value of each byte.
 pub fn stored(format: vk::Format, colors: &Plane<Vec3>, decoded: &[f32]) -> (Vec<u8>, Plane<Vec3>) {
     let mut bytes = Vec::new();
     let mut read = colors.clone();
@@ -42,7 +42,7 @@ fn encoded(format: vk::Format, value: f32) -> f32 {
     if is_srgb(format) { linear_to_srgb(value) } else { value }
 }
 
-/// What a byte of a format is, 0..=1.
+/// Value of a byte of a format, 0..=1.
 pub fn decoded(format: vk::Format, byte: u8) -> f32 {
     let value = f32::from(byte) / 255.0;
     if is_srgb(format) { srgb_to_linear(value) } else { value }

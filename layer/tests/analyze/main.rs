@@ -37,7 +37,7 @@ const FLOATS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 const WHITE_CD_M2: f32 = 100.0;
 
-/// What is computed alike from the same numbers differs by this part at most.
+/// Greatest relative difference between results that are computed alike from the same numbers.
 const SAME: f32 = 1e-4;
 
 /// A view in an image, and the tiles of that image.
@@ -400,7 +400,7 @@ fn formats_of_swapchains_match_the_reference() {
     vulkan.assert_valid();
 }
 
-/// What the device reads each byte of a format as: the luminance of grey tiles. lavapipe approximates sRGB.
+/// Value that the device reads for each byte of a format: the luminance of grey tiles. lavapipe approximates sRGB.
 fn decoded((vulkan, analyze): (&Vulkan, &Analyze), format: vk::Format) -> Vec<f32> {
     let shape = whole([256 * 16, 16]);
     let bytes: Vec<u8> = (0..16).flat_map(|_| (0..256 * 16).flat_map(|x| [(x / 16) as u8; 4])).collect();

@@ -26,7 +26,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often this thread allocates in `run`.
+/// Number of allocations of this thread in `run`.
 pub fn count(run: impl FnOnce()) -> usize {
     let before = COUNT.get();
     run();

@@ -47,7 +47,7 @@ fn news(compose: &mut Compose) -> Vec<Found> {
     all
 }
 
-/// What a texture gives that has these pixels.
+/// Linearly interpolating sampler of a texture with these pixels.
 pub fn sampler(pixels: &[u8], extent: [u32; 2], format: PixelFormat) -> impl Fn(Vec2) -> Vec3 {
     let size = Vec2::new(extent[0] as f32, extent[1] as f32);
     move |at| {

@@ -19,7 +19,7 @@ static NEXT: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
 /// While set, nothing that was submitted has finished.
 static BEHIND: AtomicBool = AtomicBool::new(true);
 
-/// How often was waited in vain.
+/// Number of waits in vain.
 static WAITS: AtomicU32 = AtomicU32::new(0);
 
 /// A device whose fences are not signalled in time: it is waited for once, then only asked, so that frames go on; nothing is submitted

@@ -96,7 +96,7 @@ fn assert_matches_the_reference(vulkan: &Vulkan, parameters: Parameters) {
     }
 }
 
-/// What is looked at is wide, far aside or nearly all around, and attenuated in part.
+/// A focus that is wide, far aside or nearly all around, and attenuation in part.
 #[test]
 fn a_focus_matches_the_reference() {
     let vulkan = Vulkan::new();

@@ -34,7 +34,7 @@ struct Frame {
     stale: StaleTiles,
     pixels: Vec<u8>,
     depth: Vec<f32>,
-    /// Where its depth is in images of [`Self::depth_extent`].
+    /// Rectangle of its depth in images of [`Self::depth_extent`].
     rect: DepthRect,
 }
 

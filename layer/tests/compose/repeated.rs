@@ -17,7 +17,7 @@ const SIDE: u32 = 64;
 
 static NEXT: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
 
-/// How many command buffers were begun.
+/// Number of command buffers that were begun.
 static RECORDINGS: AtomicU32 = AtomicU32::new(0);
 
 unsafe extern "system" fn counting(device: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {

@@ -17,7 +17,7 @@ use parafovea_core::geometry::View;
 use parafovea_core::kernels::compose::{EarlierPixels, PixelFormat, reuse_image};
 use parafovea_core::reuse::{MAX_AGES, Picture, Reuse, STALE, StaleTiles, TileLists};
 
-/// How many images the application has: one more than there are ages here.
+/// Number of the application's images: one more than there are ages here.
 pub const IMAGES: u32 = 4;
 
 /// Of tiles that are older, parts are taken from newer pictures.
@@ -291,7 +291,7 @@ pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32) {
     swapchain.shown(vulkan, 0, 1, 4);
 }
 
-/// Where the pictures before that of image `index` are.
+/// Locations of the pictures before that of image `index`.
 pub fn earlier_than(index: u32) -> [EarlierImage; MAX_AGES] {
     std::array::from_fn(|age| EarlierImage {
         app_index: (index + IMAGES - 1 - (age % 3) as u32) % IMAGES,

@@ -198,7 +198,7 @@ unsafe extern "system" fn on_message(
     vk::FALSE
 }
 
-/// What the loader's callback does: copies the dispatch pointer, the first word, from the device.
+/// Stand-in for the loader's callback: copies the dispatch pointer, the first word, from the device.
 unsafe extern "system" fn set_device_loader_data(device: vk::Device, object: *mut c_void) -> vk::Result {
     use vk::Handle;
     // SAFETY: both are live dispatchable objects, which start with that pointer.

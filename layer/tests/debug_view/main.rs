@@ -162,7 +162,7 @@ fn a_copy_is_there_until_it_is_written_over() {
     assert!(!pass.has_copy(0, MAP.tiles), "a larger buffer has nothing in it");
 }
 
-/// What the other half copies into a map may still be under way when the pass fails, and goes.
+/// The other half's copy into a map may still be in progress when the pass fails, and is dropped.
 #[test]
 fn a_submit_that_fails_leaves_what_a_copy_writes() {
     let vulkan = Vulkan::new();

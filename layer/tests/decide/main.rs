@@ -129,7 +129,7 @@ struct Both {
     vulkan: Vulkan,
 }
 
-/// How many tiles were decided, by contrast or not, and how many differently.
+/// Numbers of tiles: all, those with a coarse rate, and those that differ from the reference.
 #[derive(Debug, Default)]
 struct Counts {
     tiles: usize,

@@ -19,7 +19,7 @@ fn unsafe_blocks(source: &str) -> Vec<[usize; 2]> {
     starts.map(|(at, open)| [lines(&code[..at]), lines(&code[at..closing_brace(&code, open)])]).collect()
 }
 
-/// Where the brace closes that opens at `open`; the end of the code without one.
+/// Index of the brace that closes the one at `open`; the end of the code without one.
 fn closing_brace(code: &str, open: usize) -> usize {
     let mut depth = 0;
     for (at, letter) in code[open..].char_indices() {

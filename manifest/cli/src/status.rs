@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::thread::sleep;
 use std::time::{Duration, SystemTime};
 
-/// How it is shown.
+/// Options of `parafovea status`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Options {
     /// Application to show, by OpenXR application name, executable name or process ID
@@ -33,7 +33,7 @@ pub struct Options {
 /// Back to the top left corner, and all below it cleared.
 const CLEAR: &str = "\x1b[H\x1b[2J";
 
-/// How the applications that were found are shown.
+/// Presentation of the found applications.
 pub struct Watched<Text, Json> {
     /// For people.
     pub text: Text,

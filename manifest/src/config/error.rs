@@ -73,7 +73,7 @@ pub enum ConfigError {
     /// There are more errors than are listed.
     #[error("{count} more errors")]
     More {
-        /// How many.
+        /// Number of errors beyond those listed.
         count: usize,
     },
 }

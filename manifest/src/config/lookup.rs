@@ -1,4 +1,4 @@
-//! Which file is the configuration.
+//! Lookup of the configuration file.
 
 use std::fs;
 use std::path::{Path, PathBuf};

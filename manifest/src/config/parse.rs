@@ -14,7 +14,7 @@ const MAX_ERRORS: usize = 10;
 /// The longest unknown key for which a near one is sought, in bytes.
 const MAX_MISSPELT: usize = 64;
 
-/// How similar a key must be to be proposed (Jaro-Winkler, 0..=1): admits a slip or two, and beginnings.
+/// Least similarity of a key that is proposed (Jaro-Winkler, 0..=1): admits a slip or two, and beginnings.
 const MIN_SIMILARITY: f64 = 0.8;
 
 /// The configuration of `text`; options that it does not set have the value of its preset, or their default. `path` is for the errors.
@@ -101,7 +101,7 @@ fn read_option<'a>(
     findings.push(Finding { section, key, wrong });
 }
 
-/// Where the plateau reaches beyond the angle at which the curves end, the offset of the key to blame.
+/// Offset of the key to blame if the plateau is not smaller than the angle at which the curves end.
 fn misordered(config: &Config, root: &DeTable<'_>) -> Option<usize> {
     if config.chroma.plateau_deg < config.chroma.max_eccentricity_deg {
         return None;

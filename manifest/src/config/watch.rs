@@ -20,7 +20,7 @@ pub struct Watch {
 /// The configuration file when last looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Seen {
-    /// Which of the places has it.
+    /// Index of the place that has it.
     place: usize,
     /// `None` where it is missing or cannot be looked at.
     fingerprint: Option<Fingerprint>,

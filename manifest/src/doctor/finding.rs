@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use super::Surroundings;
 
-/// How bad it is.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// As it should be.
@@ -70,7 +70,7 @@ impl Fix {
 pub struct Finding {
     /// Its kind: a name for scripts, which stays the same.
     pub id: &'static str,
-    /// How bad it is.
+    /// Its severity.
     pub severity: Severity,
     /// The observation.
     pub found: String,

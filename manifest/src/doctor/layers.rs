@@ -55,7 +55,7 @@ impl Layers {
         Self { openxr: of(Half::OpenXr), vulkan: of(Half::Vulkan) }
     }
 
-    /// All that the loader of `half` finds.
+    /// Manifests that the loader of `half` finds.
     pub fn of(&self, half: Half) -> &[Manifest] {
         match half {
             Half::OpenXr => &self.openxr,
@@ -110,7 +110,7 @@ impl Layer {
     }
 }
 
-/// Where the loader of `half` looks, first place first.
+/// Folders that the loader of `half` searches, first place first.
 fn folders(surroundings: &Surroundings, half: Half) -> Vec<PathBuf> {
     let environment = &surroundings.environment;
     let config_dirs = surroundings.paths_or("XDG_CONFIG_DIRS", &["/etc/xdg"]);

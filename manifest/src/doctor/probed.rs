@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 /// The answers; an error is one line.
 #[derive(Clone, Debug)]
 pub struct Probed {
-    /// Which layers the loaders list, with Parafovea enabled.
+    /// Layers that the loaders list, with Parafovea enabled.
     pub layers: Result<LoaderLayers, String>,
-    /// Which devices there are.
+    /// Version and devices of Vulkan.
     pub vulkan: Result<VulkanAnswer, String>,
     /// Devices that are created with the layer; an error is a crash, a hang or a failure of the program.
     pub created: Result<Vec<CreatedDevice>, String>,
-    /// Which runtime there is.
+    /// OpenXR runtime.
     pub openxr: Result<RuntimeAnswer, String>,
 }
 

@@ -1,4 +1,4 @@
-//! Where it is looked: everything outside of this program that findings depend on.
+//! Surroundings of the program: everything outside of it that findings depend on.
 
 use super::Probed;
 use crate::paths::Environment;
@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct Surroundings {
     variables: HashMap<OsString, OsString>,
-    /// Where files of the user are, by these variables.
+    /// Locations of the user's files, by these variables.
     pub environment: Environment,
-    /// Where the file system begins: `/`.
+    /// Root of the file system: `/`.
     pub root: PathBuf,
     /// The library that came with this program, which `--fix` installs.
     pub shipped: Option<PathBuf>,
@@ -23,7 +23,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Those of a process with these environment variables.
+    /// Surroundings of a process with these environment variables.
     pub fn new(root: &Path, variables: impl IntoIterator<Item = (OsString, OsString)>) -> Self {
         let variables: HashMap<_, _> = variables.into_iter().collect();
         let environment = Environment::new(false, |name| variables.get(OsStr::new(name)).cloned());

@@ -14,7 +14,7 @@ pub enum Step {
     Copy {
         /// The file.
         from: PathBuf,
-        /// Where its copy goes.
+        /// Destination of the copy.
         to: PathBuf,
     },
     /// Puts a text file in place, and makes the folders above it.

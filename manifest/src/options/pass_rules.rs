@@ -30,7 +30,7 @@ pub struct PassRule {
     pub extent: Option<[u32; 2]>,
     /// Of the passes of a frame with these, only the one with this number, from 1.
     pub ordinal: Option<u32>,
-    /// Which way up the picture is; without, the finer of both ways holds.
+    /// Vertical orientation of the picture; `None`: the finer of both orientations applies.
     pub way_up: Option<WayUp>,
 }
 
@@ -51,7 +51,7 @@ pub enum PassKind {
     Array,
 }
 
-/// Which way up a picture is.
+/// Vertical orientation of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WayUp {
     /// The first row is the top.

@@ -11,7 +11,7 @@ const REGIONS: usize = 5;
 pub struct Periods([u8; REGIONS]);
 
 impl Periods {
-    /// Those of a preset, which keep the rules.
+    /// Periods of a preset, which keep the rules.
     pub(super) const fn of(periods: [u8; REGIONS]) -> Self {
         Self(periods)
     }

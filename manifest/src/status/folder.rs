@@ -73,11 +73,11 @@ impl Drop for StatusFile {
 pub struct Found {
     /// The status.
     pub status: Status,
-    /// How long ago it was written.
+    /// Time since it was written.
     pub age: Duration,
 }
 
-/// How many files are of applications that ended without saying so.
+/// Number of files of applications that ended without removing theirs.
 pub type Gone = usize;
 
 /// Every application's status that is fresh, by process, and how many are not; those that are old for long are removed.

@@ -17,7 +17,7 @@ unsafe extern "C" {
     fn __libc_realloc(memory: *mut c_void, size: size_t) -> *mut c_void;
 }
 
-/// Where the code of the library is; 0 until it was found.
+/// Address range of the library's code; 0 until it was found.
 static FIRST: AtomicUsize = AtomicUsize::new(0);
 static END: AtomicUsize = AtomicUsize::new(0);
 
@@ -25,7 +25,7 @@ static END: AtomicUsize = AtomicUsize::new(0);
 static CALLS: AtomicUsize = AtomicUsize::new(0);
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 
-/// It is looked for so rarely: all loaded libraries are asked.
+/// Number of calls from one search for it to the next: a search visits all loaded libraries.
 const CALLS_PER_LOOK: usize = 256;
 
 /// glibc's, and counted.

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// Frames of work that may be on the queue before recording waits.
 const RING: usize = 4;
 
-/// How long the lock is held before a submit: enough for another thread to come to it.
+/// Time for which the lock is held before a submit: enough for another thread to reach it.
 const HELD: Duration = Duration::from_millis(2);
 
 /// Code value of the texels that no figure covers.

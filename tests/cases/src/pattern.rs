@@ -47,7 +47,7 @@ impl Rect {
     }
 }
 
-/// How opaque a figure is.
+/// Alpha of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Alpha {
@@ -62,7 +62,7 @@ pub enum Alpha {
 pub struct Figure {
     /// Turns the hues, and is written into the picture.
     pub seed: u32,
-    /// Where it lies in the image.
+    /// Position and size in the image.
     pub rect: Rect,
     /// Its alpha.
     pub alpha: Alpha,
@@ -71,7 +71,7 @@ pub struct Figure {
 /// A rectangle of one colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// Where it lies in the image.
+    /// Position and size in the image.
     pub rect: Rect,
     /// Code values as the image stores them, 0 to 255: red, green, blue, alpha.
     pub rgba: [u8; 4],

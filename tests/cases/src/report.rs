@@ -17,7 +17,7 @@ pub struct Report {
     pub image_counts: Vec<u32>,
     /// Names of the events that the application received, in order.
     pub events: Vec<String>,
-    /// All that the application did about input and saw of it, in order, with frames and events: of the cases about that.
+    /// Input calls of the application and their results, in order, with frames and events; only of the cases about input.
     pub trace: Vec<String>,
     /// Other observations of the case, by name.
     pub facts: BTreeMap<String, String>,

@@ -11,12 +11,12 @@ use crate::options::Options;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use world::World;
 
-/// Which calls are made.
+/// Kind of the calls in a sequence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Manner {
-    /// Those that the specification allows.
+    /// Only calls that the specification allows.
     Legal,
-    /// Any.
+    /// Any calls.
     Hostile,
 }
 

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Command, ExitStatus, Stdio};
 
-/// Who asked for the set-up.
+/// Origin of the request for the set-up.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Voice {
     /// `cargo dev setup`: always tries, and says so when nothing is missing.

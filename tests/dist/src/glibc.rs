@@ -1,4 +1,4 @@
-//! Which version of the C library a file needs: games and runtimes bring older ones than the machine that builds.
+//! Version of the C library that a file needs: games and runtimes bring older ones than the build machine.
 
 /// The newest version that anything may need: that of Ubuntu 22.04.
 pub const NEWEST_GLIBC: [u32; 2] = [2, 35];

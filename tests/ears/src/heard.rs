@@ -16,19 +16,19 @@ pub struct Line {
     pub silent: Option<bool>,
     /// Loudness of the newest features, LUFS; none in silence and before the first.
     pub loudness_lufs: Option<f32>,
-    /// How old they were, milliseconds.
+    /// Age of the newest features, milliseconds.
     pub age_ms: Option<f64>,
-    /// How far they can be relied on, 0..=1.
+    /// Confidence in the features, 0..=1.
     pub confidence: Option<f32>,
 }
 
 impl Line {
-    /// When it was written.
+    /// Time at which it was written.
     pub fn time(&self) -> SystemTime {
         UNIX_EPOCH + Duration::from_nanos(self.unix_ns)
     }
 
-    /// How long after that time, seconds; negative before.
+    /// Delay of the line after `time`, seconds; negative before.
     pub fn seconds_after(&self, time: SystemTime) -> f64 {
         match self.time().duration_since(time) {
             Ok(after) => after.as_secs_f64(),

@@ -1,17 +1,17 @@
-//! How late a busy machine runs a thread that wants to run.
+//! Scheduling delay of a thread on a busy machine.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How often the thread wants to run.
+/// Period of the thread's sleep.
 const PERIOD: Duration = Duration::from_millis(5);
 
 /// Threads that a sound passes one after the other: the server's, the listening one and the application's.
 const THREADS: f64 = 3.0;
 
-/// Measures, from its start on, how late a thread runs.
+/// Measures, from its start on, the delay of a thread.
 pub struct Lateness {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -39,7 +39,7 @@ impl Lateness {
         Self { shared, thread: Some(std::thread::spawn(measure)) }
     }
 
-    /// How late sound may be for that reason, seconds: as late as each of its threads can be. A few milliseconds on an idle
+    /// Allowed delay of sound for that reason, seconds: the worst delay for each of its threads. A few milliseconds on an idle
     /// machine.
     pub fn allowance_s(&self) -> f64 {
         let worst = Duration::from_nanos(self.shared.worst_ns.load(Ordering::Relaxed));

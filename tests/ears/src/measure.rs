@@ -9,7 +9,7 @@ use parafovea_audio::ring::{Format, ring};
 use parafovea_audio::{Capture, Settings, Source};
 use std::time::{Duration, Instant};
 
-/// How often a capture is looked at.
+/// Interval between reads of a capture.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// Threads of a capture, by the names that the system knows (15 characters).
@@ -48,7 +48,7 @@ pub struct Cost {
     pub sets: u64,
     /// The longest time from one set to the next.
     pub longest_wait: Duration,
-    /// How long it took.
+    /// Duration of the measurement.
     pub time: Duration,
 }
 

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// The longest that each program may take to be ready.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How often it is asked whether it is.
+/// Interval between checks for that.
 const POLL: Duration = Duration::from_millis(20);
 
 /// The longest that a question to PipeWire may take; it is asked again.
@@ -55,7 +55,7 @@ impl PipeWire {
         self.folder.path()
     }
 
-    /// Where clients connect to.
+    /// Socket for clients.
     pub fn socket(&self) -> PathBuf {
         self.path("pulse/native")
     }

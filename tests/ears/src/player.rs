@@ -13,10 +13,10 @@ use std::task::{Context, Poll, Wake, Waker};
 use std::thread::Thread;
 use std::time::{Duration, Instant, SystemTime};
 
-/// How much is with the server before it is heard, milliseconds: so much that a busy machine leaves no gaps.
+/// Length of the server's buffer ahead of playback, milliseconds: enough to avoid gaps on a busy machine.
 pub const BUFFER_MS: u32 = 150;
 
-/// The same where it matters how late sound is.
+/// The same if the delay of sound matters.
 pub const SHORT_BUFFER_MS: u32 = 20;
 
 /// Length of the authentication cookie, which the server ignores as it admits everybody.

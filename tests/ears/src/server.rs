@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// How long anything may take here.
+/// Longest wait for a start or an answer.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// A server, and the folder that only it knows. Ends when it is dropped.
@@ -67,7 +67,7 @@ impl Server {
         self.folder.path()
     }
 
-    /// Where clients connect to.
+    /// Socket for clients.
     pub fn socket(&self) -> PathBuf {
         self.folder.path().join("pulse/native")
     }

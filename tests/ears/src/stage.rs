@@ -16,7 +16,7 @@ const REFRESH_HZ: f64 = 50.0;
 /// The longest that an application runs here, seconds.
 const LONGEST_S: f64 = 120.0;
 
-/// How long anything is waited for.
+/// Longest wait for an event.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Frames a second of the first output.
@@ -50,7 +50,7 @@ pub struct Stage {
     pub server: Server,
     /// The player.
     pub player: Player,
-    /// How late this machine is, from the beginning.
+    /// Scheduling delay of this machine, from the beginning.
     pub lateness: Lateness,
     running: Running,
     file: PathBuf,

@@ -44,8 +44,8 @@ fn heard(stage: &Stage, samples: Vec<f32>) -> Vec<Set> {
     stage.heard().iter().filter(|line| is_compared(line)).filter_map(set).collect()
 }
 
-/// How far the sets are from those of the samples at most, LU and share, where both began with the same sample: the power
-/// spectra of noise depend on where their frames begin. That sample is looked for in steps, then around the best of them.
+/// Largest differences of the sets from those of the samples, LU and share, if both began with the same sample: the power
+/// spectra of noise depend on the start of their frames. That sample is searched in steps, then around the best of them.
 fn differences(heard: &[Set], samples: &[f32], mode: Mode) -> Set {
     let settings = AudioSettings { mode, ..AudioSettings::default() };
     let repeated = samples.repeat(6);

@@ -1,5 +1,5 @@
-//! Whatever happens to the server: the application runs on, its plans soon do without sound, not with a jump, and sound
-//! comes back by itself.
+//! Faults of the server: the application runs on, its plans soon do without sound, not with a jump, and sound comes
+//! back by itself.
 
 use parafovea_ears::heard::Line;
 use parafovea_ears::server::Sink;

@@ -1,4 +1,4 @@
-//! Which libraries games get because of us: ALSA's only with the library that listens, and that only where asked for.
+//! Libraries that the layer loads into games: ALSA's only with the capture library, and that only on request.
 
 use parafovea_ears::stage::configuration;
 use parafovea_tests::artifacts::Library;

@@ -19,7 +19,7 @@ pub(crate) const BAND_CYCLES_PER_PIXEL: [f32; BANDS] =
 /// times the gain of the levels before.
 pub(crate) const BAND_GAIN: [f32; BANDS] = [1.0, 1.786_84, 1.961_65, 2.004_93, 1.0];
 
-/// How far, in pixels along each axis, a change shows in any band: 2 (1 + 2 + 4 + 8).
+/// Largest distance at which a change affects any band, pixels along each axis: 2 (1 + 2 + 4 + 8).
 pub const BAND_SUPPORT_PX: u32 = 30;
 
 /// Room for the computation, kept between pictures.

@@ -99,18 +99,18 @@ pub struct Eye {
     pub picture: Picture,
     /// The picture's field of view.
     pub fov: Fov,
-    /// Where the eye truly looks, in view space (+x right, +y up, -z forward), of any length above 0. This is
-    /// what the scene's script says, not what an eye tracker reported.
+    /// True gaze direction in view space (+x right, +y up, -z forward), of any length above 0: that of the scene's
+    /// script, not that of an eye tracker.
     pub gaze: Vec3,
-    /// How many frames ago each part of the picture was rendered, where that is known; of any size, spread evenly
-    /// over the picture.
+    /// Number of frames since each part of the picture was rendered; None if unknown. Of any size, spread evenly over
+    /// the picture.
     pub age: Option<Plane>,
 }
 
 /// Both eyes at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// When it is shown, seconds, from any origin.
+    /// Display time, seconds, from any origin.
     pub time_s: f64,
     /// Left and right; one may be absent.
     pub eyes: [Option<Eye>; 2],
@@ -123,7 +123,7 @@ pub struct Clip {
     pub frames: Vec<Frame>,
 }
 
-/// How the pictures are shown.
+/// Viewing conditions of the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Viewing {
     /// Luminance of white, cd/m^2, above 0.

@@ -86,8 +86,8 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// How far below 10 FovVideoVDP puts these frames: its pooling over time, by the mean. None if there are none of them, or one of them is not
-    /// there.
+    /// JOD below 10 that FovVideoVDP assigns to these frames: its pooling over time, by the mean. None if there are no frames, or if one of
+    /// them is missing.
     pub fn lost_jod(&self, frames: impl IntoIterator<Item = usize>) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0u32);
         for frame in frames {

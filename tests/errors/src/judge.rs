@@ -292,7 +292,7 @@ impl Judge {
     }
 }
 
-/// How much of a change that stays is seen at each pixel, JND, as [`Metric::Sustained`] has it of two stills.
+/// Visibility of a lasting change at each pixel, JND, by [`Metric::Sustained`] of two stills.
 ///
 /// # Errors
 /// [`JudgeError::Viewing`], [`JudgeError::View`] or [`JudgeError::Mismatch`].

@@ -1,6 +1,6 @@
-//! How far a clip is from its reference, as seen around the true gaze.
+//! Visible differences of a clip from its reference, around the true gaze.
 //!
-//! A clip is what both eyes see after the runtime's compositor, with the direction that each eye truly looks in.
+//! A clip has the images of both eyes after the runtime's compositor, with the true gaze direction of each eye.
 //! [`judge()`] compares it with the reference, which is the same moments without degradation, and reports each
 //! [`Metric`] in rings of eccentricity: the mean over the ring's pixels and the worst 16 x 16 tile. The same clips
 //! give the same report, bit for bit.

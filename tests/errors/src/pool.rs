@@ -83,7 +83,7 @@ impl TileSums {
     }
 }
 
-/// Where the worst tile is.
+/// Error and position of the worst tile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WorstTile {
     /// Mean error of its pixels in the ring.

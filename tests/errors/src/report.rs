@@ -44,7 +44,7 @@ pub struct EyeSummary {
 /// Errors of a clip.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// How the pictures are shown.
+    /// Viewing conditions of the pictures.
     pub viewing: Viewing,
     /// Number of frames.
     pub frames: usize,

@@ -1,13 +1,13 @@
-//! How the eye filters change over time: castleCSF's sustained and transient responses, as filters over frames.
+//! Temporal filters of the visual system: castleCSF's sustained and transient responses, as filters over frames.
 //!
 //! In castleCSF sensitivity is R_s(omega) G_s + R_t(omega) G_t, with G independent of temporal frequency omega. So a
-//! change is seen through two filters with the gains R_s and R_t. The filters are symmetrical in time (they do not
-//! displace what they show) and [`HALF_LENGTH_S`] long on each side.
+//! change passes two filters with the gains R_s and R_t. The filters are symmetrical in time (they do not displace
+//! the change) and [`HALF_LENGTH_S`] long on each side.
 
 use parafovea_core::perception::csf::{Stimulus, VisualField, castle};
 use std::f64::consts::PI;
 
-/// How far a change shows before and after it, seconds. The gains are those of castleCSF to within 0.1.
+/// Length of the filters before and after a change, seconds. The gains are those of castleCSF to within 0.1.
 pub const HALF_LENGTH_S: f64 = 0.25;
 
 /// Steps of the integral over frequency.
@@ -19,7 +19,7 @@ pub(crate) struct Kernel {
     taps: Vec<f32>,
 }
 
-/// Both filters, and where the transient one answers most.
+/// Both filters, and the peak frequency of the transient one.
 pub(crate) struct Responses {
     /// Gain 1 at 0 Hz.
     pub sustained: Kernel,

@@ -148,7 +148,7 @@ fn spirv(input: &[u8]) {
     assert_eq!(FragmentShaders::read(&words), FragmentShaders::read(&words));
 }
 
-/// Whatever a header says, a portion has no more samples than were asked for.
+/// Checks that a portion has no more samples than requested, for any header.
 fn wav(input: &[u8]) {
     let Ok(mut wav) = Wav::new(Cursor::new(input)) else { return };
     let channels = wav.format().channels as usize;

@@ -23,7 +23,7 @@ pub const COSTS_VARIABLE: &str = "PARAFOVEA_TEST_COSTS";
 /// The variable with the file to which each device appends a line, a [`CostsReport`] as JSON, when it is destroyed.
 pub const COSTS_FILE_VARIABLE: &str = "PARAFOVEA_TEST_COSTS_FILE";
 
-/// What frames cost.
+/// Costs of frames.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 pub struct PlantedCosts {
     /// GPU time of a frame without masks, nanoseconds.

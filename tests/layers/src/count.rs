@@ -73,14 +73,14 @@ pub struct Count {
 pub struct Counted {
     /// CPU time of the process when it was submitted (CLOCK_PROCESS_CPUTIME_ID), nanoseconds.
     pub process_cpu_ns: u64,
-    /// How many.
+    /// The count.
     pub value: u64,
 }
 
 /// Samples that passed depth and stencil tests on one device, in the render passes that the application began.
 #[derive(Clone, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
 pub struct SampleCount {
-    /// How many; none when something could not be counted.
+    /// Number of samples; None if something could not be counted.
     pub samples: Option<u64>,
     /// Why there is no number.
     pub reason: Option<String>,

@@ -19,13 +19,13 @@ pub const FAULT_VARIABLE: &str = "PARAFOVEA_TEST_FAULT";
 /// The variable with the file to which each device appends a line, a [`FaultReport`] as JSON, when it is destroyed.
 pub const FAULT_FILE_VARIABLE: &str = "PARAFOVEA_TEST_FAULT_FILE";
 
-/// Whose calls fail.
+/// Caller whose calls fail.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Whose {
     /// Parafovea's own.
     Own,
-    /// Those of the application and of the runtime.
+    /// Calls of the application and of the runtime.
     Application,
 }
 
@@ -37,11 +37,11 @@ pub struct VulkanFault {
     /// Its result, a negative `VkResult`. After `VK_ERROR_DEVICE_LOST` (-4) the device stays lost: every submit, every wait and every look
     /// at a fence returns it.
     pub result: i32,
-    /// Whose calls.
+    /// Caller.
     pub whose: Whose,
-    /// How many of these calls succeed before.
+    /// Number of these calls that succeed before.
     pub skip: u64,
-    /// How many fail then; those after them succeed.
+    /// Number of calls that fail then; calls after them succeed.
     pub count: u64,
 }
 
@@ -52,7 +52,7 @@ pub struct FaultReport {
     pub own: BTreeMap<String, u64>,
     /// Of those, the calls on threads of Parafovea: where neither application nor runtime has called.
     pub own_on_threads: BTreeMap<String, u64>,
-    /// Those of the application and of the runtime.
+    /// Calls of the application and of the runtime.
     pub application: BTreeMap<String, u64>,
     /// Calls that were made to fail, without those of a device that is lost.
     pub failed: u64,
@@ -75,7 +75,7 @@ thread_local! {
     static IS_OTHERS: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whose a call is that has come down.
+/// Caller of a call that has come down.
 fn whose(call: Call) -> Whose {
     match PASSING.get() {
         Some(passing) if passing == call => {
@@ -86,7 +86,7 @@ fn whose(call: Call) -> Whose {
     }
 }
 
-/// Whose a call of that function is that has come down, if it is not a submit. To be asked once a call.
+/// Caller of a call of that function that has come down, unless it is a submit. To be asked once a call.
 pub(crate) fn whose_call(name: &'static CStr) -> Whose {
     if OF_STAND_IN.get() { Whose::Application } else { whose(Call { name, mark: 0 }) }
 }

@@ -1,4 +1,4 @@
-//! How the layers report: a line of JSON a device, appended to the file that a variable names.
+//! Reports of the layers: a line of JSON for each device, appended to the file named by a variable.
 
 use serde::Serialize;
 use std::fs::OpenOptions;

@@ -1,4 +1,4 @@
-//! How the Khronos validation layer is told to check everything, submits included.
+//! Settings of the Khronos validation layer for all checks, including those across submits.
 
 use std::path::Path;
 

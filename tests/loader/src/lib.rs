@@ -51,7 +51,7 @@ struct Source {
     version: String,
 }
 
-/// Where cargo keeps the sources of `openxr-sys`, and its version.
+/// Folder of the OpenXR SDK in cargo's sources of `openxr-sys`, and the version of `openxr-sys`.
 fn source() -> Result<Source> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = run(Command::new(cargo)

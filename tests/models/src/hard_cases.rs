@@ -14,7 +14,7 @@ use std::fmt;
 /// One hard case.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Which model, e.g. "loudness".
+    /// Name of the model, e.g. "loudness".
     pub model: &'static str,
     /// The difficulty, e.g. "digital silence".
     pub case: String,

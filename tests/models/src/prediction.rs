@@ -1,4 +1,5 @@
-//! How far the gaze that a frame is made for is from where the eyes look when it is shown: what `cargo dev bench gaze` prints.
+//! Error of the predicted gaze: the angle between the gaze that a frame is rendered for and the true gaze at its display time. The figures
+//! of `cargo dev bench gaze`.
 
 mod before;
 mod errors;

@@ -49,12 +49,12 @@ const CENTRAL_DEG: f32 = 12.0;
 const CONTRAST: f32 = 0.1;
 const LUMINANCE_CD_M2: f32 = 50.0;
 
-/// How the gaze is known.
+/// Source of the gaze.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gaze {
-    /// As it is, and no safety limit.
+    /// The true gaze, without safety limits.
     TrueWithoutSafety,
-    /// By a tracker.
+    /// A tracker.
     Tracked {
         /// The tracker.
         model: TrackerModel,
@@ -77,7 +77,7 @@ pub enum Rates {
 /// Whether the eyes move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eyes {
-    /// They rest on one thing, far away and straight ahead.
+    /// They rest on one thing, far away at the centre of the view.
     Resting,
     /// Fixations, saccades, pursuits and blinks.
     Moving,
@@ -90,7 +90,7 @@ pub struct Case {
     pub name: &'static str,
     /// Movement of the eyes.
     pub eyes: Eyes,
-    /// How that is known.
+    /// Source of the gaze.
     pub gaze: Gaze,
     /// Source of rates.
     pub rates: Rates,

@@ -11,7 +11,7 @@ use parafovea_models::checks::{Tuple, checks};
 use parafovea_models::reference::avpm as reference;
 use proptest::prelude::*;
 
-/// How many rows of Table 1 each condition has: L1-C2, L1-C3, L2-C1, L2-C2, L3-C1.
+/// Number of rows of Table 1 for each condition: L1-C2, L1-C3, L2-C1, L2-C2, L3-C1.
 const CONDITIONS: [usize; 5] = [16, 8, 11, 6, 5];
 
 fn gamma_ld(lufs: f32) -> f32 {

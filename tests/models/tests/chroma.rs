@@ -96,7 +96,7 @@ fn large_saturated_fields_stay_visible_far_out_and_would_not_an_octave_higher() 
     }
 }
 
-/// How far green leaves 0..=1 at worst, without the guard: both ways.
+/// Largest excursions of green below 0 and above 1, without the guard.
 fn overshoot(matrix: Matrix, gains: impl Iterator<Item = Gains> + Clone) -> (f32, f32) {
     let green = gains.flat_map(|gains| {
         corners().map(move |rgb| attenuate(rgb, gains, matrix.weights(), Gamut::UNBOUNDED).y)

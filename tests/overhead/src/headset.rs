@@ -110,7 +110,7 @@ pub struct Eye {
 /// A frame that was begun.
 pub struct Frame {
     time: xr::Time,
-    /// Which image of each eye is acquired.
+    /// Index of the acquired image of each eye.
     pub images: [usize; 2],
 }
 

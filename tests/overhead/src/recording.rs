@@ -13,10 +13,10 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 
-/// How much is recorded, and how.
+/// Recorded work.
 #[derive(Args)]
 pub struct Recording {
-    /// How often everything is recorded and submitted.
+    /// Number of times that everything is recorded and submitted.
     #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
     /// Draw calls in a command buffer.
@@ -25,10 +25,10 @@ pub struct Recording {
     /// Render passes in a command buffer, among which the draw calls are spread.
     #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(2..))]
     passes: u32,
-    /// How passes are recorded.
+    /// Way to record render passes.
     #[arg(long, value_enum, default_value_t = Style::RenderPass)]
     style: Style,
-    /// Be an OpenXR application.
+    /// Act as an OpenXR application.
     #[arg(long)]
     openxr: bool,
 }

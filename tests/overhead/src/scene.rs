@@ -40,7 +40,7 @@ pub struct Scene<'a> {
     commands: vk::CommandBuffer,
 }
 
-/// How much is recorded.
+/// Amount of recorded work.
 #[derive(Clone, Copy)]
 pub struct Amount {
     /// Render passes, at least 1.

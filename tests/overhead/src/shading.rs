@@ -38,7 +38,7 @@ pub struct Shading {
     /// Size of an eye's image, pixels: WxH, or the side of a square.
     #[arg(long, value_name = "WxH", default_value = "1024", value_parser = parse_size)]
     size: vk::Extent2D,
-    /// How passes are recorded.
+    /// Way to record render passes.
     #[arg(long, value_enum, default_value_t = Style::RenderPass)]
     style: Style,
 }

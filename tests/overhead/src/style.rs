@@ -1,8 +1,8 @@
-//! How passes are recorded.
+//! Ways to record render passes.
 
 use clap::ValueEnum;
 
-/// How an application names a pass's attachments.
+/// Way in which an application names the attachments of a pass.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum Style {
     /// Render pass objects and framebuffers, as of Vulkan 1.0.

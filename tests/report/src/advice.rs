@@ -11,7 +11,7 @@ const GAIN: f64 = 0.95;
 /// One kind of application.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Advice {
-    /// Which.
+    /// Description of the application.
     pub application: &'static str,
     /// The setting.
     pub setting: String,

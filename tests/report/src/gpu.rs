@@ -3,7 +3,7 @@
 use crate::results::Results;
 use std::path::{Path, PathBuf};
 
-/// Where they are kept.
+/// Folder of the results.
 pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../gpu-results")
 }
@@ -15,10 +15,10 @@ pub fn path(results: &Results) -> PathBuf {
     folder().join(format!("report-{}.json", name.join("-")))
 }
 
-/// All that are kept, those of the newest day first. Without the folder there are none.
+/// All kept results, newest day first; none without the folder.
 ///
 /// # Errors
-/// A text that names the file which is none of a report.
+/// A text with the name of a file that cannot be read as a report.
 pub fn kept() -> Result<Vec<Results>, String> {
     let files = std::fs::read_dir(folder()).into_iter().flatten().flatten().map(|file| file.path());
     let is_report = |path: &PathBuf| {

@@ -12,23 +12,23 @@ use parafovea_tests::measure::Technique;
 /// One technique whose map is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HardwarePoint {
-    /// Which sweep it belongs to.
+    /// Its sweep.
     pub sweep: Sweep,
     /// Its name in tables.
     pub name: String,
-    /// Where its map comes from.
+    /// Source of its map.
     pub rates: Rates,
-    /// From which report on it is there.
+    /// Smallest report that contains it.
     least: Extent,
 }
 
-/// Where a map comes from.
+/// Source of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rates {
-    /// FR as in "Audio-Visual Foveated Rendering": its four rates, rounded to the finer one, so that 1x1 reaches to 24.5 degrees with L1-C1, and around
-    /// where the eyes truly look, without any safety limit.
+    /// FR as in "Audio-Visual Foveated Rendering": its four rates, rounded to the finer one, so that 1x1 reaches to 24.5 degrees with
+    /// L1-C1, around the true gaze, without any safety limit.
     Fixed(FixedFoveation),
-    /// Ellipses of OpenXR Toolkit, which stay where they are.
+    /// Ellipses of OpenXR Toolkit, fixed on the screen.
     Ellipses(ScreenEllipses),
     /// One rate everywhere.
     Uniform(ShadingRate),

@@ -141,7 +141,7 @@ fn glances(plan: &Plan, subject: &Subject) -> Result<SceneResults, HarnessError>
 /// The eye whose pictures are judged by JOD: the other's are much the same, and each takes twice as long as all other judgements together.
 const EYE_OF_JOD: usize = 0;
 
-/// How wrong the pictures of `test` are.
+/// Computes the errors of the images of `test`.
 fn judged(
     plan: &Plan,
     effort: Effort,
@@ -154,7 +154,7 @@ fn judged(
     Ok(errors(&report, &flights(test.subject, effort), fvvdp))
 }
 
-/// In which of the judged frames the eyes jump.
+/// Whether the eyes are in a saccade, for each judged frame.
 fn flights(subject: &Subject, effort: Effort) -> Vec<bool> {
     (effort.run_up..effort.length()).map(|frame| subject.is_in_flight(frame)).collect()
 }

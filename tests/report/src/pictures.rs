@@ -15,10 +15,10 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Those in a folder, which is made where it is not there.
+    /// Images in a folder, which is created if it is missing.
     ///
     /// # Errors
-    /// Where that fails.
+    /// The folder cannot be created.
     pub fn new(folder: &Path) -> io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         Ok(Self { folder: folder.to_owned() })

@@ -11,7 +11,7 @@ use parafovea_tests::measure::{Effort, LAYER_RUN_UP};
 /// Pixels along a side at which a picture of 90 degrees has 20 a degree at its centre: half of 20 x 180 / pi, as its edge is at a tangent of 1.
 pub const FINE_SIZE: u32 = 2292;
 
-/// How much longer it takes to judge a picture than to render it with lavapipe: a weight for how far along the work is.
+/// Ratio of the time to judge an image to the time to render it with lavapipe: a weight in the progress of the work.
 const JUDGING: u64 = 5;
 
 /// Cost of an application's start, in pixels that could be rendered meanwhile.
@@ -20,7 +20,7 @@ const START: u64 = 15_000_000;
 /// One subject of measurements.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Where.
+    /// Scenes.
     pub scenes: Vec<SceneName>,
     /// Techniques on it, the application alone first.
     pub points: Vec<Point>,
@@ -34,7 +34,7 @@ pub struct Plan {
     pub judged: Effort,
     /// A run of each in one scene at the finest resolution, whose pictures are judged only.
     pub fine: Option<(SceneName, Effort)>,
-    /// Who tells the application where the eyes look.
+    /// Source of the application's gaze.
     pub tracker: Tracker,
     /// Its device.
     pub driver: Driver,
@@ -87,7 +87,7 @@ impl Plan {
         self.points.iter().enumerate().filter(|(_, point)| point.is_timed)
     }
 
-    /// Those whose maps are the layer's.
+    /// Number of techniques with maps of the layer.
     fn attached(&self) -> usize {
         self.hardware.iter().filter(|point| matches!(point.rates, Rates::Layer(_))).count()
     }
@@ -134,12 +134,12 @@ impl Plan {
     }
 }
 
-/// How much work a run is, in pixels.
+/// Work of a run, in pixels.
 pub fn rendering(effort: Effort) -> u64 {
     START + effort.length() * u64::from(effort.size).pow(2)
 }
 
-/// How much work it is to judge its pictures.
+/// Work of judging its images, in the same unit.
 pub fn judging(effort: Effort) -> u64 {
     JUDGING * effort.frames * u64::from(effort.size).pow(2)
 }

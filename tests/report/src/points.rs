@@ -82,17 +82,17 @@ impl Sweep {
 /// One technique of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// Which sweep it belongs to.
+    /// Its sweep.
     pub sweep: Sweep,
     /// The technique.
     pub technique: Technique,
     /// Whether its time is measured; chroma attenuation cannot save any.
     pub is_timed: bool,
-    /// From which report on it is there.
+    /// Smallest report that contains it.
     least: Extent,
 }
 
-/// How much a report covers.
+/// Extent of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Extent {
     /// Points for five minutes.

@@ -80,7 +80,7 @@ pub struct PointResults {
     pub samples: Option<u64>,
     /// Its cost; `None` if it was not measured.
     pub cost: Option<Cost>,
-    /// How wrong it is; nothing for the application alone, which the others are compared with.
+    /// Its errors; None for the application alone, the reference of the others.
     pub errors: Option<Errors>,
 }
 
@@ -99,7 +99,7 @@ pub struct Cost {
     pub frames_ms: Vec<f64>,
 }
 
-/// How wrong a technique is, around where the eyes truly look.
+/// Errors of a technique, around the true gaze.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Contrast loss of each frame: the change of luminance contrast that stays and that which comes and goes, in just noticeable
@@ -107,8 +107,8 @@ pub struct Errors {
     pub loss: Vec<f64>,
     /// Detected change of both: changes add up over the view by probability summation, by powers of 3.5, and not by their mean, JND.
     pub detected: Vec<f64>,
-    /// In which of these frames the eyes jump; nothing where that is not known. They see next to nothing then (Volkmann 1986), so that
-    /// these frames are told apart: neither [`PointResults::loss`] nor a verdict has them.
+    /// Whether the eyes are in a saccade, for each of these frames; empty if that is unknown. Vision is suppressed then (Volkmann 1986), so
+    /// neither [`PointResults::loss`] nor a verdict includes these frames.
     #[serde(default)]
     pub in_flight: Vec<bool>,
     /// Its part that stays, by ring.
@@ -157,7 +157,7 @@ pub struct Bits {
 /// A hard case of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HardCase {
-    /// Which model.
+    /// Name of the model.
     pub model: String,
     /// The difficulty.
     pub case: String,

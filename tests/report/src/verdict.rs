@@ -1,13 +1,13 @@
-//! Who loses less at equal cost, and why not where it is not us.
+//! Comparison of losses at equal cost, with the reasons if the layer loses more.
 
 use crate::points::Sweep;
 use crate::results::{Errors, PointResults, SceneResults};
 use crate::statistics::{AtCost, Bootstrap, CostAndLoss, Interval, loss_at};
 
-/// Everything on, as the preset has it that is the default.
+/// All techniques enabled, with the default preset.
 pub const EVERYTHING: &str = "everything balanced";
 
-/// Which techniques of ours are compared: those that a user selects by one word.
+/// The layer's techniques in the comparison: the presets, which a user selects by one word.
 pub const OURS: Sweep = Sweep::Rates;
 
 /// Alternatives of users without us, and our own rings, which a preset has to beat to measure contrast.
@@ -20,7 +20,7 @@ pub const RIVALS: [Sweep; 6] = [
     Sweep::Rings,
 ];
 
-/// How the changes of a picture become one figure.
+/// Method of pooling the changes of an image into one figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// The mean over the view: changes far below the threshold count too, if there are many of them.
@@ -58,7 +58,7 @@ impl Measure {
     }
 }
 
-/// How a comparison ended.
+/// Outcome of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Ours loses less contrast at equal cost.
@@ -158,7 +158,7 @@ pub fn contest(
     })
 }
 
-/// How many frames both cost and loss of a point are known of.
+/// Number of frames with both cost and loss of a point.
 fn frames(point: &PointResults) -> usize {
     let timed = point.cost.as_ref().map_or(0, |cost| cost.frames_ms.len());
     point.errors.as_ref().map_or(timed, |errors| timed.min(errors.loss.len()))
@@ -233,7 +233,7 @@ pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
     reasons.join("; ")
 }
 
-/// How a technique of ours did against one rival, over the scenes.
+/// Outcomes of one of the layer's techniques against one rival, over the scenes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally {
     /// Ours.
@@ -242,13 +242,13 @@ pub struct Tally {
     pub rival: Sweep,
     /// The measure.
     pub measure: Measure,
-    /// In so many scenes ours loses less contrast at equal cost.
+    /// Number of scenes in which ours loses less contrast at equal cost.
     pub wins: usize,
-    /// In so many the interval has 0 in it.
+    /// Number of scenes in which the interval includes 0.
     pub ties: usize,
-    /// In so many it loses more.
+    /// Number of scenes in which ours loses more.
     pub loses: usize,
-    /// In so many there is no equal cost.
+    /// Number of scenes without an equal cost.
     pub apart: usize,
 }
 

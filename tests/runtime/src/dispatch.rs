@@ -1,4 +1,4 @@
-//! Which function of OpenXR is which function here, and who may have its pointer.
+//! Table of OpenXR functions with their implementations, and the version or extension that each needs.
 
 use crate::abi::pointers::{In, Out};
 use crate::fault::{Fault, Outcome, section};

@@ -14,7 +14,7 @@ use openxr_sys as xr;
 use openxr_sys::{Handle, SessionState};
 use std::time::{Duration, Instant};
 
-/// Where a session is in its frame loop.
+/// State of a session's frame loop.
 #[derive(Debug, Default)]
 pub(crate) struct FrameLoop {
     /// Successful `xrWaitFrame` calls.
@@ -25,9 +25,9 @@ pub(crate) struct FrameLoop {
     waited: Option<Frame>,
     /// Begun, not ended.
     begun: Option<Frame>,
-    /// For which display time views were located last.
+    /// Display time for which views were located last.
     pub views_located: Option<i64>,
-    /// How often the gaze was located since the newest frame ended.
+    /// Number of times that the gaze was located since the end of the newest frame.
     pub gaze_reads: u32,
 }
 
@@ -49,7 +49,7 @@ struct Frame {
 /// itself; it gets an error after this long.
 const DEADLOCK: Duration = Duration::from_secs(2);
 
-/// How often that is looked at.
+/// Interval between checks of that.
 const POLL: Duration = Duration::from_micros(100);
 
 /// `xrWaitFrame`.
@@ -95,7 +95,7 @@ pub(crate) extern "system" fn wait(
     }
 }
 
-/// How `xrWaitFrame` goes on, without the lock.
+/// Next step of `xrWaitFrame`, without the lock.
 enum Next {
     Return,
     ReturnAfter(Duration),

@@ -12,11 +12,11 @@ pub(crate) struct InjectedFault {
     pub result: Option<xr::Result>,
     /// Its answer.
     pub answer: Answer,
-    /// How much later it returns.
+    /// Delay before it returns.
     pub late: Duration,
 }
 
-/// How often each fault could have happened.
+/// Number of calls so far for each fault that could have had it.
 #[derive(Debug, Default)]
 pub(crate) struct InjectedFaults {
     calls: Vec<u64>,

@@ -15,7 +15,7 @@ pub enum Line {
     InstanceCreated(InstanceCreated),
     /// A session is in another state.
     SessionState {
-        /// Which session.
+        /// Handle of the session.
         session: u64,
         /// `IDLE`, `READY`, `SYNCHRONIZED`, `VISIBLE`, `FOCUSED`, `STOPPING` or `EXITING`.
         state: String,
@@ -24,14 +24,14 @@ pub enum Line {
     SwapchainCreated(SwapchainCreated),
     /// `xrAttachSessionActionSets` succeeded.
     ActionsAttached {
-        /// Which session.
+        /// Handle of the session.
         session: u64,
         /// Names of the action sets.
         sets: Vec<String>,
     },
     /// `xrSyncActions` succeeded.
     ActionsSynced {
-        /// Which session.
+        /// Handle of the session.
         session: u64,
         /// `XR_SUCCESS` or `XR_SESSION_NOT_FOCUSED`.
         result: String,
@@ -58,7 +58,7 @@ pub enum Line {
     },
     /// `xrDestroyInstance` succeeded.
     End {
-        /// Which instance.
+        /// Handle of the instance.
         instance: u64,
         /// Frames that the process has ended until now.
         frames: u64,
@@ -142,7 +142,7 @@ pub struct Frame {
     pub head: Pose,
     /// The gaze in the VIEW space at the display time, as scripted: a unit vector; absent in gaps.
     pub gaze: Option<[f32; 3]>,
-    /// How often the gaze was located since the frame before, and was there.
+    /// Number of times since the previous frame that the gaze was located and available.
     #[serde(default)]
     pub gaze_reads: u32,
     /// The submitted layers.
@@ -212,7 +212,7 @@ pub struct Depth {
 /// Part of a swapchain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SubImage {
-    /// Which swapchain.
+    /// Handle of the swapchain.
     pub swapchain: u64,
     /// Index of the image that is shown: the one released last.
     pub image: u32,

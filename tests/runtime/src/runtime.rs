@@ -27,7 +27,7 @@ pub(crate) struct Runtime {
     pub broken: Option<String>,
     pub clock: Clock,
     pub recorder: Recorder,
-    /// Who gives frames their turn.
+    /// Socket that gives frames their turn; None if frames take no turns.
     pub turns: Option<Arc<Turns>>,
     /// Frames that the process ended.
     pub frames: u64,
@@ -43,7 +43,7 @@ pub(crate) struct Runtime {
     call: &'static str,
     /// Its answer.
     pub answer: Answer,
-    /// How often each of the scenario's faults could have happened.
+    /// Counts of the calls that could have had each of the scenario's faults.
     injected: InjectedFaults,
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn call(name: &'static str, body: impl FnOnce(&mut Runtime) -> Outcom
     }
 }
 
-/// Who gives frames their turn, if anybody.
+/// Socket that gives frames their turn; None if frames take no turns.
 pub(crate) fn turns() -> Option<Arc<Turns>> {
     RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).turns.clone()
 }

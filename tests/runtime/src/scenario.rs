@@ -15,17 +15,17 @@ use std::path::{Path, PathBuf};
 pub struct Scenario {
     /// Output files.
     pub output: Output,
-    /// How time passes.
+    /// Clock of the frames.
     pub clock: Clock,
-    /// How sessions go.
+    /// Course of the sessions.
     pub session: Session,
     /// Capabilities of the headset and the runtime.
     pub system: System,
-    /// How the eye tracker behaves.
+    /// Behaviour of the eye tracker.
     pub tracker: Tracker,
     /// Deviations of the runtime from the specification.
     pub quirks: Quirks,
-    /// How swapchains behave.
+    /// Behaviour of swapchains.
     pub swapchain: Swapchain,
     /// Requirements of the runtime on Vulkan.
     pub vulkan: Vulkan,
@@ -54,7 +54,7 @@ pub struct Output {
     pub record: bool,
     /// Numbers of the frames whose pictures are saved; the first frame of the process is 0.
     pub save_frames: Vec<u64>,
-    /// Which pictures of them.
+    /// Kinds of images saved of these frames.
     pub save: Vec<Picture>,
     /// Whether eyes are composited in the other frames too.
     pub composite: bool,
@@ -76,7 +76,7 @@ pub enum Picture {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Clock {
-    /// Which clock.
+    /// Kind of clock.
     pub mode: ClockMode,
     /// Frames a second, 1 to 1000.
     pub refresh_hz: f64,
@@ -126,7 +126,7 @@ pub struct System {
     pub max_size: u32,
     /// Most samples of a swapchain image: 1, 2, 4 or 8.
     pub max_samples: u32,
-    /// Which hands hold a controller.
+    /// Hands that hold a controller.
     pub hands: Vec<Hand>,
 }
 
@@ -140,9 +140,9 @@ pub struct Tracker {
     pub active: bool,
     /// Whether `XrEyeGazeSampleTimeEXT` has a time; else 0.
     pub sample_time: bool,
-    /// How old the newest gaze is at the time that is asked about, milliseconds.
+    /// Age of the newest gaze at the requested time, milliseconds.
     pub latency_ms: f64,
-    /// How much newer it is once the views of the frame were located, milliseconds.
+    /// Reduction of that age once the views of the frame were located, milliseconds.
     pub newer_at_views_ms: f64,
     /// Whether the gaze points out of the back of the head.
     pub backwards: bool,
@@ -182,7 +182,7 @@ pub enum Hand {
 pub struct Swapchain {
     /// Images of a swapchain, 1 to 8; a static one has one.
     pub images: u32,
-    /// Which calls of `xrWaitSwapchainImage`, counted from 0 in each swapchain, time out; the next one succeeds.
+    /// Numbers of the calls of `xrWaitSwapchainImage` that time out, from 0 in each swapchain; the call after each succeeds.
     pub wait_timeouts: Vec<u64>,
 }
 
@@ -211,16 +211,16 @@ pub struct Fault {
     /// Its answer on success.
     #[serde(default)]
     pub answer: Answer,
-    /// How much later it returns, in milliseconds.
+    /// Delay before it returns, in milliseconds.
     #[serde(default)]
     pub late_ms: u64,
-    /// The frame of the process from which on that is so.
+    /// First frame of the process with the fault.
     #[serde(default)]
     pub from_frame: u64,
-    /// How many calls are spared then.
+    /// Number of calls from that frame on that pass before the fault.
     #[serde(default)]
     pub skip: u64,
-    /// How many calls it happens to; 0: all.
+    /// Number of calls with the fault; 0: all.
     #[serde(default)]
     pub count: u64,
 }

@@ -10,7 +10,7 @@ use openxr_sys as xr;
 /// `XrSystemId` of the headset.
 const SYSTEM: u64 = 1;
 
-/// How many views the system has.
+/// Number of views of the system.
 pub(crate) const VIEWS: usize = 2;
 
 /// Checks an instance and a system of it.

@@ -17,7 +17,7 @@ pub(crate) struct Turns {
 }
 
 impl Turns {
-    /// Whoever gives turns listens there.
+    /// Connects to the socket at `path`, which gives the turns.
     pub fn connect(path: &Path) -> Result<Self> {
         let stream = Mutex::new(Some(UnixStream::connect(path)?));
         Ok(Self { stream, held_cpu_ns: AtomicI64::new(0) })

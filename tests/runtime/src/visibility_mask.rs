@@ -7,7 +7,7 @@ use crate::{scenario, system, views};
 use openxr_sys as xr;
 use openxr_sys::VisibilityMaskTypeKHR;
 
-/// How far, along each edge, a hidden corner reaches: a share of the edge.
+/// Length of a hidden corner along each edge, as a share of the edge.
 const CORNER: f32 = 0.15;
 
 /// Vertices on the plane one metre in front of the view, and indices.

@@ -21,10 +21,10 @@ const FRAME: u64 = 40;
 /// Beyond this many blocks nothing is looked for.
 const REACH: i32 = 7;
 
-/// Which blocks are shaded.
+/// Choice of the shaded blocks.
 #[derive(Clone, Copy)]
 enum Choice {
-    /// Each so many columns and rows.
+    /// Every nth column and mth row.
     Square(u32, u32),
     /// As the layer does.
     Pattern(ShadingRate),
@@ -42,7 +42,7 @@ impl Choice {
     }
 }
 
-/// How a skipped pixel is filled from the nearest shaded block of each quarter.
+/// Method of filling a skipped pixel from the nearest shaded block of each quarter.
 #[derive(Clone, Copy)]
 enum Filling {
     /// As the nearest of them.

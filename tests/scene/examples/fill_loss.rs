@@ -39,7 +39,7 @@ struct Mask {
 /// The number of shaded blocks of a tile.
 #[derive(Clone, Copy)]
 enum Shares {
-    /// As many as the tile's rate says, as the layer does.
+    /// The number given by the tile's rate, as in the layer.
     Planned,
     /// Twice as many, and half where the rate says so.
     StepFiner,

@@ -51,7 +51,7 @@ struct Options {
 /// Half the angle that the picture shows, degrees.
 const EDGE_DEG: f32 = 45.0;
 
-/// Where the left eye of the mock runtime's default headset is on the head, metres.
+/// Position of the left eye of the mock runtime's default headset on the head, metres.
 const LEFT_EYE: Vec3 = vec3(-0.032, 0.0, 0.0);
 
 fn camera(eye: Vec3, turn: Quat) -> Camera {

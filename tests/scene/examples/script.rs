@@ -16,7 +16,7 @@ use parafovea_scene::script::{Script, tracker::Tracker};
 struct Options {
     #[arg(long, value_enum, default_value_t)]
     scene: SceneName,
-    /// Who reports the gaze: ideal, good or poor.
+    /// Eye tracker that reports the gaze: ideal, good or poor.
     #[arg(long, default_value = "good")]
     tracker: String,
     /// Write the sound to this file.

@@ -11,9 +11,9 @@ pub const FAR: f32 = 250.0;
 /// One eye.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
-    /// Where it is, metres.
+    /// Position, metres.
     pub position: Vec3,
-    /// How it is turned: it looks along its -z, +y is up.
+    /// Orientation: it looks along its -z, +y is up.
     pub orientation: Quat,
     /// Tangents of the angles of the left, right, lower and upper edge; left and lower are negative in a
     /// symmetric view.

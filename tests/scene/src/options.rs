@@ -29,45 +29,45 @@ pub struct Options {
     /// No animation: every frame is the first one.
     #[arg(long)]
     pub still: bool,
-    /// How fast the animation goes: 1 as it is meant.
+    /// Speed of the animation, relative to its normal speed.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_pace)]
     pub pace: f64,
-    /// All lights go out with the frame of this number, as in a cut to another scene.
+    /// Turn off all lights in the frame of this number, as in a cut to another scene.
     #[arg(long, value_name = "N")]
     pub lights_out: Option<u64>,
     /// Number of point lights; each costs about the same [default: as many as the scene has].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(lights::MAX)))]
     pub lights: Option<u32>,
-    /// How the eyes' images are arranged in swapchains.
+    /// Arrangement of the eye buffers in swapchains.
     #[arg(long, value_enum, default_value_t = Arrangement::Separate)]
     pub swapchain: Arrangement,
-    /// Make the eyes' swapchains anew, as --change-to and --change-size say, before the frame of this number.
+    /// Create new swapchains before the frame of this number, by --change-to and --change-size.
     #[arg(long, value_name = "N")]
     pub change_at: Option<u64>,
-    /// How the eyes' images are arranged from then on [default: as before].
+    /// Arrangement of the eye buffers from then on [default: as before].
     #[arg(long, value_enum, requires = "change_at")]
     pub change_to: Option<Arrangement>,
-    /// Size of one eye's image from then on [default: as before].
+    /// Size of an eye buffer from then on [default: as before].
     #[arg(long, value_name = "WxH", value_parser = parse_size, requires = "change_at")]
     pub change_size: Option<[u32; 2]>,
-    /// How many sessions to run, one after the other.
+    /// Number of sessions, one after the other.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub sessions: u32,
-    /// Format of the eyes' images.
+    /// Format of the eye buffers.
     #[arg(long, value_enum, default_value_t = ColourFormat::Srgb)]
     pub format: ColourFormat,
-    /// Size of one eye's image in texels [default: the runtime's recommendation].
+    /// Size of an eye buffer in texels [default: the runtime's recommendation].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Submit the depth buffers too (XR_KHR_composition_layer_depth).
     #[arg(long)]
     pub depth_layer: bool,
-    /// Shade all texels up to EF degrees from the gaze (or from straight ahead, where the runtime tells no gaze), fewer
-    /// from there to ET degrees, and a share of 1/16 or 1/4 beyond; fill the others from their neighbours. Or by the place on the
-    /// screen, as OpenXR Toolkit's presets "Wide", "Balanced" and "Narrow" have it.
+    /// Shade all texels up to EF degrees from the gaze (or from the view's axis if the runtime has no gaze), fewer from there to
+    /// ET degrees, and a share of 1/16 or 1/4 beyond; fill the others from their neighbours. Or shade by the position on the screen,
+    /// as with OpenXR Toolkit's presets "Wide", "Balanced" and "Narrow".
     #[arg(long, value_name = "EF,ET,SHARE | toolkit-wide | toolkit-balanced | toolkit-narrow", value_parser = parse_foveation, conflicts_with = "depth_layer")]
     pub foveation: Option<Foveation>,
-    /// Of the texels between EF and ET, shade all, 1/4, 1/8 or 1/16: the next of these that is not less.
+    /// Round the share of texels between EF and ET up to 1, 1/4, 1/8 or 1/16.
     #[arg(long, requires = "foveation")]
     pub stepped: bool,
     /// Show the notice board in a quad layer as well.
@@ -78,7 +78,7 @@ pub struct Options {
     pub no_actions: bool,
 }
 
-/// How the eyes' images are arranged in swapchains.
+/// Arrangement of the eye buffers in swapchains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Arrangement {
     /// A swapchain for each eye.
@@ -89,7 +89,7 @@ pub enum Arrangement {
     DoubleWide,
 }
 
-/// Format of the eyes' images.
+/// Format of the eye buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ColourFormat {
     /// Eight bits, encoded by the format.
@@ -101,7 +101,7 @@ pub enum ColourFormat {
 }
 
 impl Options {
-    /// Where texels are left out.
+    /// Foveation that leaves out texels. `None` without `--foveation`.
     pub fn foveation(&self) -> Option<Foveation> {
         self.foveation.map(|foveation| match foveation {
             Foveation::Radii(radii) => Foveation::Radii(Radii { stepped: self.stepped, ..radii }),
@@ -109,7 +109,7 @@ impl Options {
         })
     }
 
-    /// How many lights to draw with.
+    /// Number of lights.
     pub fn light_count(&self) -> u32 {
         self.lights.unwrap_or(self.scene().definition().default_lights)
     }

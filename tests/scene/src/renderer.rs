@@ -37,7 +37,7 @@ pub struct Rect {
 /// One render pass: an image and the cameras that are seen in it.
 #[derive(Debug)]
 pub struct Pass<'a> {
-    /// Where colour goes.
+    /// Colour attachment.
     pub colour: &'a wgpu::TextureView,
     /// A depth buffer of the same size.
     pub depth: &'a wgpu::TextureView,

@@ -192,11 +192,11 @@ impl Placement {
 /// The shapes, which never change.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Which scene it is.
+    /// Name of the scene.
     pub name: SceneName,
     /// Fixed parts first (as many as [`Scene::fixed`]), then one for each kind of moving thing.
     pub parts: Vec<Part>,
-    /// How many of the parts are drawn where they are.
+    /// Number of the fixed parts.
     pub fixed: usize,
 }
 

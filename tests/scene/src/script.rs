@@ -1,5 +1,5 @@
 //! A user's behaviour in a scene, as pure data: head movement, gaze, sound, and samples of an eye tracker. The application does not use it;
-//! it is for who measures the application.
+//! it is for measurements of the application.
 //!
 //! Times are seconds, 0 being that of frame 0, so frame n is at n / 90. The animation, the head and the gaze all
 //! follow this one clock.
@@ -15,7 +15,7 @@ use self::head::HeadPath;
 use self::sound::Sound;
 use crate::scene::SceneName;
 
-/// How long every script lasts, seconds.
+/// Duration of every script, seconds.
 pub const DURATION_S: f64 = 12.0;
 
 /// Luminance of white (all three linear channels 1) on the display that the scenes are made for, cd/m2. Black is 0.
@@ -25,11 +25,11 @@ pub const WHITE_CD_M2: f32 = 100.0;
 /// The script of a scene.
 #[derive(Clone, Debug)]
 pub struct Script {
-    /// Which scene.
+    /// The scene.
     pub scene: SceneName,
-    /// How the head moves.
+    /// Motion of the head.
     pub head: HeadPath,
-    /// Where the eyes look.
+    /// Gaze of the eyes.
     pub gaze: TrueGaze,
     /// The sound.
     pub sound: Sound,

@@ -95,11 +95,11 @@ struct App {
     frame: u64,
     /// Offset of the animation's clock.
     first_frame: u64,
-    /// How fast that clock goes; 0: it stands still.
+    /// Speed of that clock; 0: it stands still.
     pace: f64,
     /// The frame from which on no light is lit.
     lights_out: Option<u64>,
-    /// When the swapchains are made anew, how, and in which format.
+    /// Frame at which the swapchains are made again, their options, and their format.
     change: Option<(u64, Options, wgpu::TextureFormat)>,
     /// When to ask for the end.
     last_frame: Option<u64>,
@@ -205,7 +205,7 @@ impl App {
         }
     }
 
-    /// Where the eyes will be, unless the runtime does not know.
+    /// Predicted views of the eyes; None if the runtime does not know them.
     fn locate(&self, time: xr::Time) -> Result<Option<Vec<xr::View>>> {
         let (flags, views) = self.session.locate_views(VIEW_TYPE, time, &self.space)?;
         let known = xr::ViewStateFlags::POSITION_VALID | xr::ViewStateFlags::ORIENTATION_VALID;

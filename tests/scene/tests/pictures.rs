@@ -71,7 +71,7 @@ impl Visitor {
         detail(&self.sees(0, at), SIDE as usize)
     }
 
-    /// How many texels' luminances differ between two frames by more than `least`.
+    /// Number of texels whose luminance differs between two frames by more than `least`.
     fn changes(&mut self, frames: [u64; 2], at: [f32; 3], least: f64) -> usize {
         let [first, later] = frames.map(|frame| self.sees(frame, at));
         first.iter().zip(&later).filter(|(a, b)| (*a - *b).abs() > least).count()

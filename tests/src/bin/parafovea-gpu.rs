@@ -123,7 +123,7 @@ fn run_matrix(machine: Machine, json: bool) -> Result<Vec<String>, String> {
     Ok(matrix.faults().into_iter().map(JsonCell::to_string).collect())
 }
 
-/// Where results are kept: those of a GPU among the sources, to be committed.
+/// Folder of the results: among the sources for a GPU, to be committed; in the target folder for a stand-in.
 fn folder(machine: &Machine) -> Result<PathBuf, String> {
     match machine.stand_in {
         None => Ok(Path::new(env!("CARGO_MANIFEST_DIR")).join("gpu-results")),

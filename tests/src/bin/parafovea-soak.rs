@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 
 const MINUTES: u64 = 30;
 
-/// How much more the memory of the process with the layer may grow after warm-up, bytes.
+/// Allowed growth, after warm-up, of the memory of the process with the layer beyond that without it, bytes.
 const MOST_GROWTH: i64 = 1 << 20;
 
-/// How often the configuration is edited.
+/// Interval between edits of the configuration.
 const EDITS: Duration = Duration::from_secs(3);
 
 /// Edits of the configuration, in turn; the third is a mistake.

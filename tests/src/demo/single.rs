@@ -24,9 +24,9 @@ pub struct Saving {
     pub app: String,
     /// The technique.
     pub technique: &'static str,
-    /// Its saving.
+    /// Quantity that it saves.
     pub saves: &'static str,
-    /// How much is left of that, in units of it without the layer.
+    /// Remaining share of that quantity, relative to the run without the layer.
     pub left: Option<f64>,
     /// CPU time, in units of that without the layer.
     pub ratio: f64,

@@ -1,11 +1,11 @@
-//! Where a pixel of a submitted picture lies, seen from the gaze.
+//! Eccentricity of a pixel of a submitted image.
 
 use crate::picture::Picture;
 use crate::scenario::{Scenario, View};
 use glam::{Quat, Vec2, Vec3};
 use parafovea_core::geometry::{Fov, eccentricity};
 
-/// One eye's view and where that eye looks, both in the eye's own space.
+/// Field of view and gaze of one eye, both in the eye's own space.
 #[derive(Clone, Copy, Debug)]
 pub struct EyeView {
     /// Its field of view.

@@ -90,7 +90,7 @@ pub struct Cell {
     pub mode: Mode,
 }
 
-/// How a program ended.
+/// Exit of a program.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum End {
     /// By itself, with code 0, after all its frames.
@@ -148,7 +148,7 @@ pub struct Engaged {
 
 /// Outcome of a run.
 pub struct Seen {
-    /// How the program ended.
+    /// Exit of the program.
     pub end: End,
     /// The layer's effect.
     pub engaged: Engaged,

@@ -37,7 +37,7 @@ pub struct JsonCell {
     pub engaged: Option<&'static str>,
     /// Messages of validation and of the runtime beyond those without the layer, and warnings and errors in the layer's log.
     pub messages: Vec<String>,
-    /// How the program ended.
+    /// Exit of the program.
     pub outcome: String,
     /// Whether it ended worse than without the layer, or the layer worked while it was disabled.
     #[serde(skip)]

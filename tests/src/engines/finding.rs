@@ -37,7 +37,7 @@ pub struct Finding {
     pub engaged: bool,
     /// The layer's decision, for people.
     pub reason: String,
-    /// How shading becomes coarser: "mask", "rate attachment" or "none".
+    /// Backend of coarse shading: "mask", "rate attachment" or "none".
     pub backend: String,
     /// Passes that were recognised as the scene.
     pub passes: Vec<String>,
@@ -50,7 +50,7 @@ pub struct Finding {
     /// Processes of the machine that ran or waited, on average from the first timed run to the last (proc(5), loadavg); None where that is not
     /// known.
     pub load: Option<f64>,
-    /// How far the pictures of looks are from those without the layer.
+    /// Differences of the images of each look from those without the layer.
     pub pictures: Vec<Errors>,
     /// Rules that validation found broken with the preset, or with everything on, in ways in which they are not without the layer; None where
     /// that was not checked.
@@ -60,9 +60,9 @@ pub struct Finding {
 /// Checks of an engine beside its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Checks {
-    /// How many samples are shaded.
+    /// Number of shaded samples.
     pub samples: bool,
-    /// How far pictures are from those without the layer.
+    /// Differences of images from those without the layer.
     pub pictures: bool,
     /// Messages of validation.
     pub messages: bool,

@@ -16,7 +16,7 @@ const FRAMES_PER_SECOND: f64 = 60.0;
 /// Straight ahead, where engines' users look.
 const AHEAD: Vec3 = Vec3::NEG_Z;
 
-/// How far pictures are from those without the layer.
+/// Differences of images from those without the layer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Errors {
     /// Their subject.

@@ -21,7 +21,7 @@ use std::time::{Duration, SystemTime};
 /// An engine that takes longer hangs.
 const LIMIT_S: u32 = 600;
 
-/// How often the layer's status is read.
+/// Interval between reads of the layer's status.
 const POLL: Duration = Duration::from_millis(300);
 
 /// Counts or checks of a run, beside time.
@@ -43,7 +43,7 @@ const PICTURES: &str = "tmp/pictures";
 /// The gaze of an eye tracker in the system.
 const GAZE: &str = "opt/engines/gaze.csv";
 
-/// How many of the times at which the layer's status is read go by from one `parafovea status` to the next.
+/// Number of reads of the layer's status from one `parafovea status` to the next.
 const POLLS_PER_TEXT: u32 = 10;
 
 /// Enters the system with the kernel's folders for as long as a program runs: its folder, the program, its arguments.

@@ -1,4 +1,4 @@
-//! How wrong the pictures are that a technique shows.
+//! Errors of the images that a technique shows.
 
 use super::{Effort, Subject, Technique};
 use crate::HarnessError;
@@ -47,7 +47,7 @@ pub fn with_pictures(mut scenario: Scenario, effort: Effort) -> Scenario {
     scenario
 }
 
-/// How far the pictures of `test` are from those of `reference`, both runs of `subject` in one scenario
+/// Computes the errors of the images of `test` against those of `reference`, both runs of `subject` in one scenario
 /// [`with_pictures`].
 ///
 /// # Errors

@@ -15,11 +15,11 @@ pub struct Row {
     pub case: String,
     /// The metric; of errors also the ring, degrees from the true gaze.
     pub metric: String,
-    /// How much of it.
+    /// Value of the metric.
     pub value: f64,
     /// The unit of `value` and `baseline`.
     pub unit: &'static str,
-    /// How it compares with the first technique, where it does.
+    /// Comparison with the first technique, if there is one.
     #[serde(flatten)]
     pub comparison: Option<Comparison>,
 }
@@ -41,7 +41,7 @@ pub fn rows(app: &str, timings: &[Timing]) -> Vec<Row> {
     timings.iter().flat_map(|timing| rows_of(app, timing, baseline)).collect()
 }
 
-/// How the layer of this build compares with that of another, whose timings have the same name and `@ other` behind it.
+/// Comparison of the layer of this build with that of another, whose timings have the same name followed by `@ other`.
 pub fn against_rows(app: &str, other: &str, timings: &[Timing]) -> Vec<Row> {
     let pairs = timings.iter().filter_map(|timing| {
         let name = format!("{} @ {other}", timing.technique);

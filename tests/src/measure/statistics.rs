@@ -50,9 +50,9 @@ impl Samples {
         (0..frames).map(mean)
     }
 
-    /// How many times as long as `baseline` it took: of each turn the ratio of the sums over all frames, of these the mean of the middle
-    /// half; and half of the range that this has. The turns of both must have been taken together, and have the same frames: side by
-    /// side, so that what slows one down slows the other down too. What is left is that processes differ, by some 5 % and for as
+    /// Ratio of its time to that of `baseline`: of each turn the ratio of the sums over all frames, of these the mean of the middle
+    /// half; and half of their interquartile range. The turns of both must have been taken together, side by side, and have the same
+    /// frames, so that interference slows down both alike. The remaining error is a difference between processes, some 5 % for as
     /// long as they run.
     pub fn ratio_to(&self, baseline: &Self) -> Ratio {
         let sums = |samples: &Self| samples.turns.iter().map(|turn| turn.iter().sum()).collect::<Vec<f64>>();

@@ -22,7 +22,8 @@ pub struct Subject {
     tracker: Tracker,
     /// The script's frame that is the first of a run.
     first_frame: u64,
-    /// How fast the head turns, degrees a second, where head and eyes do not move as in the script: the eyes look straight ahead.
+    /// Angular velocity of the head, degrees a second, instead of the script's motion of head and eyes: the gaze stays at the centre
+    /// of the view.
     turning_deg_per_s: Option<f32>,
     /// Its device; `None`: lavapipe.
     machine: Option<Machine>,

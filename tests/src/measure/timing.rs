@@ -4,10 +4,10 @@ use super::{Samples, Subject, Technique, side_by_side};
 use crate::HarnessError;
 use crate::run::Outcome;
 
-/// How much is measured.
+/// Amount of measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
-    /// How often each technique has its turn.
+    /// Number of turns of each technique.
     pub turns: usize,
     /// Frames before those, in which caches fill and adaptive parts settle.
     pub run_up: u64,

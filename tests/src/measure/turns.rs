@@ -15,16 +15,16 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long an application may take for its start, or for a frame.
+/// Time limit for the start of an application, or for a frame.
 const PATIENCE: Duration = Duration::from_secs(240);
 
-/// How often it is looked whether an application has come.
+/// Interval between checks for the connection of an application.
 const POLL: Duration = Duration::from_millis(2);
 
 /// An application under way, each of whose frames comes when it is let.
 pub struct Player {
     running: Running,
-    /// Where it asks for its frames.
+    /// Socket on which it asks for its frames.
     asks: UnixStream,
     /// Whether it waits for a frame.
     is_waiting: bool,

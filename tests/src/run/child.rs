@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// How often a running application is looked at.
+/// Interval between checks of a running application.
 const POLL: Duration = Duration::from_millis(5);
 
 pub(super) struct Child {
@@ -17,7 +17,7 @@ pub(super) struct Child {
     output: [PathBuf; 2],
 }
 
-/// How an application ended.
+/// Exit of an application.
 pub(super) struct Exit {
     /// None: killed because its time was over.
     pub status: Option<ExitStatus>,

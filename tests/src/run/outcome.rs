@@ -229,7 +229,7 @@ impl Outcome {
     }
 }
 
-/// Where the runtime saves that sub-image of the first composition layer.
+/// Path of the runtime's file of that sub-image of the first composition layer.
 pub(super) fn submitted_path(folder: &Path, view: usize, frame: u64) -> PathBuf {
     folder.join(format!("submitted_0_{view}_{frame}.png"))
 }

@@ -193,7 +193,7 @@ impl Cell {
         Ok(())
     }
 
-    /// How often some calls are made depends on how fast the device is.
+    /// Whether the fault is sure to happen: the number of some calls depends on the speed of the device.
     fn must_happen(&self) -> bool {
         match &self.below {
             Below::Vulkan(fault) => fault.skip == 0,

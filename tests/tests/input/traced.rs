@@ -12,7 +12,7 @@ use std::time::Duration;
 /// System calls by which something could leave the process.
 const CALLS: &str = "trace=write,writev,pwrite64,pwritev,pwritev2,sendto,sendmsg,sendmmsg,socket,socketpair,connect,truncate,ftruncate";
 
-/// Where the eyes look, degrees; no round numbers, so that their digits are found nowhere else.
+/// Direction of the gaze, degrees; no round numbers, so that their digits are found nowhere else.
 const LEFT: f32 = 17.329_41;
 const UP: f32 = -6.813_27;
 

@@ -1,4 +1,4 @@
-//! Summaries of doc comments name things by nouns: a ratchet on the share of those with the word "what".
+//! Summaries of doc comments name things by nouns: none begins with a clause, and a ratchet bounds the share with the word "what".
 
 use super::{has, root};
 use std::fs;
@@ -70,6 +70,48 @@ fn summaries_name_things_by_nouns() {
         }
     }
     assert!(complaints.is_empty(), "summaries with \"what\": {}", complaints.join("; "));
+}
+
+/// Beginnings of clauses in the place of a noun.
+const CLAUSES: [&str; 11] = [
+    "What",
+    "Whatever",
+    "Who",
+    "Whoever",
+    "Whose",
+    "Which",
+    "Whichever",
+    "Where",
+    "Wherever",
+    "Those",
+    "How",
+];
+
+/// Whether a summary begins with a clause.
+fn begins_with_a_clause(summary: &str) -> bool {
+    let first = summary.trim_start().split(|character: char| !character.is_alphabetic()).next();
+    first.is_some_and(|first| CLAUSES.contains(&first))
+}
+
+#[test]
+fn no_summary_begins_with_a_clause() {
+    let mut found = Vec::new();
+    for (folder, _) in MOST_PERCENT {
+        let mut files = Vec::new();
+        sources(&root().join(folder), &mut files);
+        for file in files {
+            let summaries = summaries(&fs::read_to_string(&file).unwrap());
+            let clauses = summaries.into_iter().filter(|summary| begins_with_a_clause(summary));
+            found.extend(clauses.map(|summary| format!("{}: {summary}", file.display())));
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    for clause in ["Where the eyes look.", "How many frames", "Those that are left."] {
+        assert!(begins_with_a_clause(clause), "{clause}");
+    }
+    for noun in ["Whether the gaze is known.", "Whereabouts", "Number of frames", "`Which` of them"] {
+        assert!(!begins_with_a_clause(noun), "{noun}");
+    }
 }
 
 #[test]

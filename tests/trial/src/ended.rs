@@ -1,10 +1,10 @@
-//! How a test ended, read from its process.
+//! Outcome of a test, read from its process.
 
 use crate::skip::{self, Lack};
 use crate::watch::Watched;
 use std::process::ExitStatus;
 
-/// How a test ended.
+/// Outcome of a test.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Ending {
     /// It passed.

@@ -1,4 +1,4 @@
-//! How a test says that it cannot run here.
+//! Signals by which a test reports that it cannot run here.
 
 use std::fmt::{self, Display};
 use std::io::Write;

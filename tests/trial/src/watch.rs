@@ -8,10 +8,10 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-/// How often a running process is looked at.
+/// Interval between checks of a running process.
 const POLL: Duration = Duration::from_millis(5);
 
-/// How long processes may take to be gone after the one that started them: a killed process takes a moment.
+/// Time limit for processes to exit after their parent: a killed process takes a moment.
 const GRACE: Duration = Duration::from_secs(2);
 
 /// The variable by which everything that a watched process starts is found.

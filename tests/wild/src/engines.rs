@@ -1,4 +1,4 @@
-//! How engines draw a frame, from the captures and the sources that each names.
+//! Frames of engines, from the captures and the sources that each names.
 
 pub(crate) mod compatibility;
 pub(crate) mod native;

@@ -9,7 +9,7 @@ use parafovea::pass_detection::{
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-/// How eyes lie in XR swapchains.
+/// Arrangement of the eyes in XR swapchains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrangement {
     /// A swapchain for each eye.
@@ -23,7 +23,7 @@ pub enum Arrangement {
 /// An image of a graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Image {
-    /// Which.
+    /// Key of the image.
     pub key: ImageKey,
     /// Size, pixels.
     pub extent: [u32; 2],
@@ -72,7 +72,7 @@ pub struct Frame<'a> {
     pub number: u64,
     /// Size of an eye buffer of the swapchain, pixels.
     pub eye: [u32; 2],
-    /// How eyes lie in it.
+    /// Arrangement of the eyes in it.
     pub arrangement: Arrangement,
     /// Side of the scene's targets, in sides of the eye buffer: dynamic resolution.
     pub scale: f32,
@@ -275,7 +275,7 @@ pub fn plain(key: ImageKey, extent: [u32; 2], format: vk::Format) -> ImageDescri
     ImageDescription { key, extent, layers: 1, format, samples: 1, is_cube: false, swapchain: None }
 }
 
-/// Which eye view 0 or 1 is.
+/// Eye of view 0 or 1.
 pub fn eye_of(view: usize) -> Option<Eye> {
     Some(if view == 0 { Eye::Left } else { Eye::Right })
 }

@@ -12,7 +12,7 @@ pub struct Graph {
     pub name: &'static str,
     /// Size of an eye buffer, pixels.
     pub eye: [u32; 2],
-    /// How eyes lie in the swapchain.
+    /// Arrangement of the eyes in the swapchain.
     pub arrangement: Arrangement,
     /// Whether the resolution changes.
     pub is_dynamic: bool,

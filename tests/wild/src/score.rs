@@ -24,7 +24,7 @@ pub struct Score {
     pub wrong: u64,
     /// Full-screen passes that shade nothing, from [`SETTLED`] on.
     pub full_screen: u64,
-    /// Those of them that were to become coarse.
+    /// Number of these that were to become coarse.
     pub coarse_full_screen: u64,
     /// The names of passes that were wrong.
     pub wrong_names: BTreeSet<&'static str>,

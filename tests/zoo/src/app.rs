@@ -40,12 +40,12 @@ pub struct Frame<'f> {
     pub index: u64,
     /// Its number in the animation.
     pub animated: u64,
-    /// Which of the frames in flight it is: its part of the uniforms.
+    /// Index among the frames in flight: its part of the uniforms.
     pub slot: usize,
     /// Being recorded; submitted afterwards.
     pub commands: vk::CommandBuffer,
     pub views: &'f [xr::View; 2],
-    /// As they were written for this frame; a style may write others.
+    /// The uniforms written for this frame; a style may write others.
     pub uniforms: Uniforms,
     /// Number of the acquired image of each colour swapchain.
     pub color: Vec<usize>,

@@ -54,7 +54,7 @@ pub struct Gpu {
     begun: Mutex<Vec<PassSeen>>,
     /// Frames whose passes were taken.
     frames: AtomicU64,
-    /// Where the application has maps of shading rates.
+    /// Maps of shading rates, if the application has any.
     rates: Option<Rates>,
     has_addresses: bool,
     /// Whether the instance goes with it.

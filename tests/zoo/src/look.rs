@@ -3,7 +3,7 @@
 
 use clap::ValueEnum;
 
-/// How coarse the fragments of a kind of draw may be.
+/// Coarsest rate of a kind of draw.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
 pub enum Coarsest {
     /// As the map has it.

@@ -5,7 +5,7 @@ use crate::support::Needs;
 use crate::truth::PassTruth;
 use anyhow::Result;
 
-/// How the eye buffers lie in swapchains.
+/// Arrangement of the eye buffers in swapchains.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Arrangement {
     /// A swapchain for each eye.
@@ -35,7 +35,7 @@ pub struct Style {
     pub needs: Needs,
     /// First Vulkan headers (1.3.N) whose validation knows its features; 0: any.
     pub headers: u32,
-    /// Where the eye buffers are.
+    /// Arrangement of the eye buffers in swapchains.
     pub arrangement: Arrangement,
     /// Threads of its calls.
     pub threads: Threads,
@@ -50,8 +50,8 @@ pub struct Style {
     pub global: Option<&'static str>,
     /// Whether its pictures are blended with those of earlier frames.
     pub keeps_history: bool,
-    /// How far its pictures may be from those of `render-pass`: the mean difference over all pixels and colour
-    /// channels, in code values (0 to 255). None: it shows the scene in another way.
+    /// Allowed difference of its images from those of `render-pass`: the mean over all pixels and colour channels, in
+    /// code values (0 to 255). None: it shows the scene in another way.
     pub likeness: Option<f64>,
     /// Every render pass of a frame in the order of submission, for eyes of this size (width, height) and the frame
     /// of this number, from 0.

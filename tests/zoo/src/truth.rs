@@ -3,7 +3,7 @@
 use ash::vk::Format;
 use serde::{Deserialize, Serialize};
 
-/// Whose picture a render pass makes.
+/// Eye buffers that a render pass draws.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Eyes {
     /// The left eye's.
@@ -12,7 +12,7 @@ pub enum Eyes {
     Right,
     /// Both: beside each other, or one a layer.
     Both,
-    /// No eye's: a shadow map, a picture in the scene, a quad layer, a measurement.
+    /// None: a shadow map, a picture in the scene, a quad layer, a measurement.
     None,
 }
 
@@ -36,7 +36,7 @@ pub struct PassTruth {
     pub samples: u32,
     /// Format of its first colour attachment, or of depth where there is none.
     pub format: Format,
-    /// Whose picture it makes.
+    /// Eye buffers that it draws.
     pub eyes: Eyes,
     /// Its purpose.
     pub why: &'static str,

@@ -39,7 +39,7 @@ pub fn board_size([width, height]: [u32; 2]) -> [u32; 2] {
     [width / 2, height / 4]
 }
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum End {
     /// The session ended.
@@ -138,14 +138,14 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     Ok(End::Shown)
 }
 
-/// How far a session is in its states and frames.
+/// Progress of a session through its states and frames.
 struct Course {
     stream: xr::FrameStream<xr::Vulkan>,
     waiter: Waiter,
     is_running: bool,
 }
 
-/// What comes after the frames.
+/// Next step after the frames.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum After {
     /// The session is asked to end, and followed until it has.

@@ -20,7 +20,7 @@ use trial::{skip_unless_run, trial};
 /// Arguments of every test.
 const SHARE: Effort = Effort { frames: 54, size: 96 };
 
-/// How long the eyes rest at first, seconds: decisions by contrast take a quarter of a second for an octave, once the gaze is trusted.
+/// Duration of the first fixation, seconds: decisions by contrast take a quarter of a second for an octave, once the gaze is trusted.
 const REST_S: f64 = 0.5;
 
 /// Styles of every test: those that differ most in the order of the layer's work among theirs.
@@ -42,7 +42,7 @@ const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"contrast
 /// A software device that compiles on a busy machine is behind for seconds, which is told, and no error.
 const LATE: &str = "earlier images are shown until the device catches up";
 
-/// How the device looks: as it is, for masks, or as if it had shading rates.
+/// Stand-in for a device with shading rates; None: the device unchanged, for masks.
 type Device = Option<ShadingRateProfile>;
 
 fn main() -> ExitCode {

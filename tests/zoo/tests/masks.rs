@@ -45,7 +45,7 @@ const SHARE: Effort = Effort { frames: 12, size: 96 };
 /// From this frame on every eligible pass has a mask: each of a swapchain's three images was drawn to and shown, and drawn to again.
 const MASKED_FROM: u64 = 9;
 
-/// Looking straight ahead, never dropped, in full colour: the same map in every run.
+/// Rings at the centre of the view, never dropped, in full colour: the same map in every run.
 const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
 
 /// A pass that reads the image around a pixel spreads filled pixels by this many at most: blooms and filters of the styles are smaller.

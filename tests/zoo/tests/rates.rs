@@ -31,7 +31,7 @@ const COARSE_FROM: u64 = 4;
 /// Greatest shaded part of the pixels of an eye's image in an engaged style: texels of the map by their rates.
 const LIMIT: f64 = 0.9;
 
-/// Looking straight ahead, and never dropped: the same rates in every run.
+/// Rings at the centre of the view, never dropped: the same rates in every run.
 const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n";
 
 fn main() -> ExitCode {
@@ -110,12 +110,12 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
     Ok(())
 }
 
-/// Where the eyes look.
+/// Gaze of the rate map.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum MapOf {
-    /// Straight ahead.
+    /// The centre of the view.
     StillGaze,
-    /// Elsewhere all the time.
+    /// A direction that changes all the time.
     MovingGaze,
 }
 

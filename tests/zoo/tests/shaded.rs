@@ -34,19 +34,19 @@ const FRAMES: u64 = RUN_UP + 4;
 /// Greatest part of the samples without the layer, unless the table gives a reason.
 const LIMIT: f64 = 0.6;
 
-/// How far a share may be from the table's.
+/// Allowed difference of a share from the table's.
 const CLOSE: f64 = 0.02;
 
 /// The number of the table's column of shares.
 const SAMPLES: usize = 3;
 
-/// How the table says that samples cannot be counted.
+/// Entry of the table for samples that cannot be counted.
 const NOT_SAID: &str = "–";
 
 /// Styles without a count: lavapipe counts nothing in secondary command buffers.
 const NOT_COUNTED: &str = "the device has no inheritedQueries";
 
-/// Looking straight ahead, never dropped.
+/// Rings at the centre of the view, never dropped.
 const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
 
 /// Styles of every test: the most and the least that is saved, and one whose shaders return early.

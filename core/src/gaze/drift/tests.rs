@@ -59,7 +59,7 @@ fn first_report(seed: u64, minutes: i64, slip: impl Fn(i64) -> [f32; 2]) -> Opti
     })
 }
 
-/// Where the slip of these tests happens.
+/// Time of the slip in these tests.
 const SLIP_NS: i64 = 10 * MINUTE_NS + 7_000_000_000;
 
 #[test]

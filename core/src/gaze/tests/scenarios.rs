@@ -18,7 +18,7 @@ fn late(yaw_deg: f32, step_ms: i64) -> (GazeTracker, i64) {
     (tracker, time)
 }
 
-/// Where a saccade of least jerk is after a part of its time.
+/// Progress of a saccade of least jerk after a part of its time.
 fn way(s: f32) -> f32 {
     let s = s.clamp(0.0, 1.0);
     s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
@@ -187,7 +187,7 @@ fn a_gaze_that_never_changes_while_the_head_turns_is_no_gaze() {
     }
 }
 
-/// How far a head has turned that rests until `start_ns` and turns at 200 deg/s from then on.
+/// Turn of a head that rests until `start_ns` and turns at 200 deg/s from then on, degrees.
 fn turned_deg(time_ns: i64, start_ns: i64) -> f32 {
     200.0 * ((time_ns - start_ns).max(0) as f64 * 1e-9) as f32
 }

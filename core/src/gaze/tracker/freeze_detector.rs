@@ -8,7 +8,7 @@ use glam::Vec3;
 pub(super) struct FreezeDetector {
     directions: Option<[Vec3; 2]>,
     since_ns: i64,
-    /// How far the head has turned since then, degrees, there and back.
+    /// Total turn of the head since then, degrees, there and back.
     turned_deg: f32,
 }
 

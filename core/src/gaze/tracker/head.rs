@@ -1,4 +1,4 @@
-//! How the head was turned: eyes that rest on the world turn against it, and a sample's direction is as old as the sample.
+//! Orientation of the head: eyes that rest on the world turn against it, and a sample's direction is as old as the sample.
 
 use glam::Quat;
 
@@ -11,7 +11,7 @@ const FASTEST_DEG_S: f32 = 500.0;
 /// Shortest time that such a jump is judged by, seconds: another orientation of the same time may be a better prediction.
 const LEAST_S: f32 = 0.01;
 
-/// How the head was turned at the times of the last frames, in a space that rests in the world and never jumps.
+/// Orientations of the head at the times of the last frames, in a space that rests in the world and never jumps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Head {
     /// Oldest first.
@@ -79,8 +79,8 @@ impl Head {
         self.count += 1;
     }
 
-    /// How it was turned at a time, from its own space to the world's; before the first and after the newest time that is remembered
-    /// it did not turn. None where nothing was told, so that directions stay what they are in every bit.
+    /// Orientation at a time, from the head's own space to the world's; constant before the first and after the newest time that is
+    /// remembered. `None` if no orientation is known, so that directions stay unchanged in every bit.
     pub(super) fn at(&self, time_ns: i64) -> Option<Quat> {
         let samples = &self.samples[..self.count];
         let later = samples.partition_point(|(_, moment_ns)| *moment_ns <= time_ns);

@@ -1,4 +1,4 @@
-//! Where slow eyes are and how they turn: the straight line of least squares through the samples since they landed.
+//! Direction and turn of slow eyes: the straight line of least squares through the samples since they landed.
 //!
 //! The filter of growing memory of degree one (Morrison 1969, Introduction to Sequential Smoothing and Prediction): its
 //! first answers are the samples themselves, it averages more as it knows more, and it does not lag behind an even motion.
@@ -35,9 +35,9 @@ impl EyeSample {
 /// The line, of both eyes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineFit {
-    /// Where the eyes are at the time of the newest sample.
+    /// Directions of the eyes at the time of the newest sample.
     newest: EyeSample,
-    /// How they turn, a second; across the directions.
+    /// Turn of the eyes in a second, perpendicular to the directions.
     turns: [Vec3; 2],
     /// Samples that the line is through, at least 1, no more than its memory holds.
     count: u16,
@@ -77,17 +77,17 @@ impl LineFit {
         self.newest.time_ns = sample.time_ns;
     }
 
-    /// Where the line is, with the time of the newest sample.
+    /// Directions on the line at the time of the newest sample, with that time.
     pub(super) fn newest(&self) -> &EyeSample {
         &self.newest
     }
 
-    /// Where the line leads to.
+    /// Directions on the line at a time.
     pub(super) fn at(&self, time_ns: i64) -> [Vec3; 2] {
         self.ahead((time_ns.saturating_sub(self.newest.time_ns) as f64 * 1e-9) as f32)
     }
 
-    /// Where it leads to in some seconds from its newest sample.
+    /// Directions on the line some seconds after its newest sample.
     pub(super) fn ahead(&self, seconds: f32) -> [Vec3; 2] {
         [0, 1].map(|eye| {
             let direction = self.newest.directions[eye];
@@ -118,7 +118,7 @@ impl LineFit {
         self.count
     }
 
-    /// How fast the eyes turn together, degrees a second.
+    /// Angular speed of both eyes together, degrees a second.
     pub(super) fn speed_deg_s(&self) -> f32 {
         (0.5 * (self.turns[0] + self.turns[1])).length().to_degrees()
     }

@@ -34,7 +34,7 @@ const USUAL_NOISE_DEG: f32 = 0.3;
 /// Range of believed measurements.
 const NOISE_DEG: std::ops::RangeInclusive<f32> = 0.05..=1.0;
 
-/// How much one sample counts in it.
+/// Weight of one sample in the measured noise.
 const NOISE_GAIN: f32 = 0.03;
 
 /// Least samples in a line before the next one measures noise.
@@ -49,7 +49,7 @@ const UNSEEN_NS: i64 = 25_000_000;
 /// Least samples in a line before others are told to lie aside of it.
 const SHIFT_COUNT: u16 = 4;
 
-/// How far samples have to lie aside together, as a part of how far one has to alone.
+/// Least deviation of several samples together, as a part of that of a single one.
 const LEAST_SHIFT: f32 = 0.5;
 
 /// The eyes have landed where the newest sample is no farther aside than this many times the mean of it and those before.
@@ -83,7 +83,7 @@ pub(super) struct Motion {
     earlier: [Option<(LineFit, EyeSample)>; EARLIER],
 }
 
-/// How the eyes turn.
+/// Kind of eye movement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum EyeMovement {
     Resting,
@@ -176,7 +176,7 @@ impl Motion {
         self.saccade.as_ref().map_or(self.line.newest(), SaccadePath::newest)
     }
 
-    /// Where the newest sample is, if that is too far away to be believed.
+    /// Directions of the newest sample, if they are too far away to be believed.
     pub(super) fn in_doubt(&self) -> Option<[Vec3; 2]> {
         self.suspect.map(|suspect| suspect.directions)
     }
@@ -208,7 +208,7 @@ impl Motion {
         self.interval_s
     }
 
-    /// Where the eyes are `ahead_s` after the newest sample, and how far that may be off where it is a prediction, degrees.
+    /// Directions of the eyes `ahead_s` after the newest sample, and the possible error of a prediction, degrees.
     pub(super) fn directions(&self, settings: &GazeSettings, ahead_s: f32) -> ([Vec3; 2], Option<f32>) {
         match &self.saccade {
             Some(saccade) => {
@@ -224,7 +224,7 @@ impl Motion {
         }
     }
 
-    /// How fast they turn, degrees a second.
+    /// Angular speed of the eyes, degrees a second.
     pub(super) fn speed_deg_s(&self) -> f32 {
         let speed = match (&self.saccade, self.turning) {
             (Some(saccade), _) => saccade.speed_deg_s,
@@ -281,7 +281,7 @@ impl Motion {
         })
     }
 
-    /// Where the line is in some seconds from its newest sample.
+    /// Expected directions some seconds after the newest sample of the line.
     fn expected(&self, seconds: f32) -> [Vec3; 2] {
         self.line.estimate(self.noise_deg, self.turning, seconds)
     }

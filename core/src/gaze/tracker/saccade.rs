@@ -33,7 +33,7 @@ const MOST_MISSES: f32 = 170.0;
 /// Clark and Stark 1975).
 const PACES: [(f32, f32); 3] = [(0.85, 0.25), (1.0, 0.5), (1.2, 0.25)];
 
-/// How long it may have been on its way before the sample in which it certainly was not, seconds: a rest of doubt.
+/// Longest time for which a saccade may have been in flight at the last sample before it showed, seconds: a margin.
 const UNSEEN_S: f32 = 0.005;
 
 /// Part of its duration after which less than 1 % of its way is left.
@@ -45,7 +45,7 @@ const PATH_ERROR: f32 = 0.04;
 /// A saccade under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SaccadePath {
-    /// Where it left, and a time at which it had not left, or just so.
+    /// Starting point, with a time at which it had not left, or only just.
     start: EyeSample,
     samples: [EyeSample; KEPT],
     count: usize,
@@ -144,7 +144,7 @@ impl SaccadePath {
         self.shown_ns
     }
 
-    /// Where the eyes are some seconds after the newest sample, and by how much that may be off, degrees.
+    /// Directions of the eyes some seconds after the newest sample, with their possible error, degrees.
     pub(super) fn ahead(&self, seconds: f32) -> ([Vec3; 2], f32) {
         let course = &self.landing.course;
         let gone_deg = course.gone_deg(self.newest.seconds_since(self.start.time_ns) + seconds);
@@ -162,7 +162,7 @@ impl SaccadePath {
         self.landing.time_ns.min(self.landing.nearly_ns)
     }
 
-    /// Where it will land, from all samples so far.
+    /// Predicted landing, from all samples so far.
     fn predicted(&self, noise_deg: f32) -> Landing {
         let start = middle(&self.start);
         let samples = &self.samples[..self.count];
@@ -300,7 +300,7 @@ impl Course {
     }
 }
 
-/// How long a saccade of an amplitude in degrees takes, seconds: the main sequence (Carpenter 1988).
+/// Duration of a saccade of an amplitude in degrees, seconds: the main sequence (Carpenter 1988).
 fn duration_s(amplitude_deg: f32) -> f32 {
     0.021 + 0.0022 * amplitude_deg
 }

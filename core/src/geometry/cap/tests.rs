@@ -11,7 +11,7 @@ fn cap() -> impl Strategy<Value = Cap> {
     (direction(), 0.0f32..PI).prop_map(|(centre, radius)| Cap { centre, radius })
 }
 
-/// How far a direction is outside of a cap, radians; 0 within.
+/// Angle between a direction and a cap, radians; 0 within.
 fn outside(cap: Cap, direction: Vec3) -> f32 {
     (eccentricity(cap.centre, direction) - cap.radius).max(0.0)
 }

@@ -86,7 +86,7 @@ fn unrounded(picture: &Plane, settings: &ContrastSettings) -> ContrastMap {
     map
 }
 
-/// How far half floats are off in a band of any tile, over 1 + its contrast.
+/// Largest error of half floats in each band of any tile, over 1 + its contrast.
 fn error(picture: &Plane, settings: &ContrastSettings) -> [f32; BANDS] {
     let (kept, exact) = (analyzed(picture, settings), unrounded(picture, settings));
     let tiles = || kept.tiles.texels().iter().zip(exact.tiles.texels());

@@ -4,7 +4,7 @@ use super::{ComposeParams, TILE_SIZE};
 use crate::color::{linear_to_srgb, srgb_to_linear};
 use glam::{Vec3, Vec3Swizzles};
 
-/// How four bytes are a colour. Alpha is the last of them and never changes.
+/// Format of a pixel of four bytes. Alpha is the last of them and never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelFormat {
     /// R, G, B, A; RGB encoded as sRGB.

@@ -21,15 +21,15 @@ uniform! {
         pub earlier_extent: [f32; 2],
         /// Size of a tile of the newest picture, pixels.
         pub tile_size: [f32; 2],
-        /// How many tiles of that picture a pixel is wide and high.
+        /// Number of tiles per pixel of that picture, along x and y.
         pub earlier_tiles: [f32; 2],
         /// Columns and rows of tiles of that picture.
         pub earlier_grid: [u32; 2],
-        /// Where the stale tiles of that picture are in the buffer, as [`crate::reuse::StaleTiles::words`].
+        /// Index of the first word of that picture's stale tiles in the buffer, as [`crate::reuse::StaleTiles::words`].
         pub earlier_word: u32,
         /// Width over which fresh pixels beside stale tiles are blended, pixels.
         pub border: f32,
-        /// Where the head has moved: offset of homogeneous points of that picture, in pixels, for each 1/m of nearness.
+        /// Parallax, if the head has moved: offset of homogeneous points of that picture, in pixels, for each 1/m of nearness.
         pub parallax: [f32; 4],
         /// Meaning of depth in the newest picture: [`Nearness::at_zero`], [`Nearness::slope`] and [`Nearness::bounds`].
         pub nearness: [f32; 4],
@@ -39,7 +39,7 @@ uniform! {
         pub depth_offset: [u32; 2],
         /// The same of that picture.
         pub earlier_depth_offset: [u32; 2],
-        /// How many pixels of depth a pixel of the newest picture is wide and high.
+        /// Number of pixels of depth per pixel of the newest picture, along x and y.
         pub depth_scale: [f32; 2],
         /// The same of that picture.
         pub earlier_depth_scale: [f32; 2],
@@ -56,7 +56,7 @@ pub struct DepthRect {
 }
 
 impl DepthRect {
-    /// How many of its pixels one of a picture of `size` pixels is wide and high.
+    /// Number of its pixels per pixel of a picture of `size` pixels, along x and y.
     pub(in crate::kernels) fn scale(&self, size: Vec2) -> Vec2 {
         UVec2::from(self.extent).as_vec2() / size
     }

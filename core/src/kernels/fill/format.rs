@@ -1,4 +1,4 @@
-//! How texels are colours, as the kernel sees them.
+//! Texel formats of the kernel.
 
 use glam::{Vec3, Vec4};
 use half::f16;

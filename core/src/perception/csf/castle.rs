@@ -142,7 +142,7 @@ const SUSTAINED_PEAK_CPD: [f32; 3] = [1.781_19, 91.5718, 0.256_682];
 /// 5.58341e-7 * 9.66862e9 cd/m^2, see [`glare`].
 const GLARE_CD_M2: f32 = 5398.387;
 
-/// How sensitivity declines in bright light, 1 - (1 + 5.58341e-7 / L)^-9.66862e9.
+/// Decline of sensitivity in bright light, 1 - (1 + 5.58341e-7 / L)^-9.66862e9.
 ///
 /// In f32 that is 0 at L = 100. (1 + x)^-n = exp(-n ln(1 + x)), and ln(1 + x) is x to within x / 2: where the
 /// exponent matters (below 20) x is below 2e-9. So the bracket is 1 - exp(-5398 / L), which needs neither `expm1`

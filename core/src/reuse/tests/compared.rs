@@ -1,4 +1,4 @@
-//! Which tiles are compared with which earlier picture.
+//! Tiles that are compared, and the earlier image for each.
 
 use super::set;
 use crate::geometry::{Fov, View};

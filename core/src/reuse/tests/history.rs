@@ -1,4 +1,4 @@
-//! Where pixels lie in earlier pictures, and the lists of tiles made of that.
+//! Positions of pixels in earlier images, and the lists of tiles made of those.
 
 use super::set;
 use crate::geometry::{Fov, View, eccentricity};

@@ -1,6 +1,6 @@
-//! Where the layer and the library that listens meet: a versioned C table.
+//! Interface between the layer and the library that captures sound: a versioned C table.
 //!
-//! Listening needs ALSA's library, which is not on every machine and which no game should get because of us. So it is a
+//! Capturing needs ALSA's library, which is not on every machine and which no game should get because of us. So it is a
 //! shared library of its own, [`LIBRARY_NAME`], beside the layer's; the layer loads it when sound is asked for, asks it
 //! for [`GET_TABLE_NAME`], and goes on without sound where either is missing.
 
@@ -8,7 +8,7 @@
 
 use std::ffi::CStr;
 
-/// File name of the library that listens.
+/// File name of the library that captures sound.
 pub const LIBRARY_NAME: &str = "libparafovea_audio.so";
 
 /// The symbol that [`LIBRARY_NAME`] exports: a [`GetTable`].
@@ -76,7 +76,7 @@ pub struct SettingsRecord {
 pub struct FeaturesRecord {
     /// Counts sets of features, from 1.
     pub serial: u64,
-    /// How long ago the last sample that counts was heard, nanoseconds.
+    /// Time since the last sample that counts was captured, nanoseconds.
     pub age_ns: u64,
     /// LUFS.
     pub loudness_lufs: f32,
@@ -86,7 +86,7 @@ pub struct FeaturesRecord {
     pub gamma_fq_kilomel: f32,
     /// 1: nothing is heard.
     pub is_silent: u32,
-    /// How much of the last seconds was heard as it was played, 0..=1.
+    /// Share of the last seconds that was captured intact, 0..=1.
     pub confidence: f32,
     /// 0.
     pub reserved: u32,

@@ -21,13 +21,13 @@ use pulseaudio::protocol::{
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
-/// A server that does not answer for so long is left, and tried anew.
+/// A server that does not answer for so long is left, and tried again.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Without an output to listen to, how often it is looked for one.
+/// Interval between looks for an output, while there is none to listen to.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
 
-/// Changes that come closer together, as while somebody moves a slider, are looked at together.
+/// Changes that come closer together, as while a slider is moved, are looked at together.
 const SETTLE: Duration = Duration::from_millis(20);
 
 /// Whether a server is there. (A socket may be left of one that is not.)
@@ -71,7 +71,7 @@ struct Asked {
 }
 
 enum Question {
-    /// Which output is the default.
+    /// The name of the default output.
     Server,
     /// The properties of that output.
     Output,

@@ -8,7 +8,7 @@ use std::io::BufReader;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How often samples are handed on.
+/// Interval at which samples are handed on.
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// Later samples were not late: the process stood still, and does not catch up.

@@ -25,7 +25,7 @@ fn content(mut at: *const c_void) -> Vec<(vk::StructureType, u32)> {
 }
 
 proptest! {
-    /// Whatever is before and behind, and however little room there is.
+    /// With any structures before and behind, and with any amount of room.
     #[test]
     fn one_structure_of_a_chain_is_another(before in 0usize..4, behind in 0usize..3, words in 0usize..40) {
         let mut structures = vec![Rate::default(); before + behind];

@@ -60,11 +60,11 @@ enum Attached {
 pub type FirstColour = Option<(Target, ImageDescription)>;
 
 impl Rates {
-    /// Those of a device on which nothing is attached yet; nothing where it lacks a function that they need.
+    /// Rates of a device on which nothing is attached yet; `None` if it lacks a function that they need.
     ///
     /// # Safety
     ///
-    /// The record is of a live device, which has what is enabled.
+    /// The record is of a live device, which has the extensions and features in `enabled`.
     pub unsafe fn on(record: &DeviceRecord, enabled: Enabled, is_cpu: bool) -> Option<Self> {
         // SAFETY: the record is of a live device, as `# Safety` demands.
         let images = unsafe { RateImages::of_device(record, &enabled) };

@@ -20,7 +20,7 @@ pub struct RateCapabilities {
     pub non_trivial_combiners: bool,
     /// The rates there are with one sample a pixel, the coarsest first, 1x1 among them.
     pub rates: SmallVec<[ShadingRate; 9]>,
-    /// Where the device shades each pixel whatever it is told.
+    /// Limits beyond which the device shades each pixel regardless of the rate.
     pub limits: Limits,
 }
 
@@ -217,7 +217,7 @@ impl RateCapabilities {
         self
     }
 
-    /// How many texels it takes to cover a picture, columns and rows.
+    /// Number of texels that cover a picture, columns and rows.
     pub fn texels(&self, extent: [u32; 2]) -> [u32; 2] {
         [0, 1].map(|axis| extent[axis].div_ceil(self.texel[axis]).max(1))
     }

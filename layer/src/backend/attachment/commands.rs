@@ -9,7 +9,7 @@ use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
 pub struct SetRate {
     /// Size of a fragment, pixels.
     pub size: vk::Extent2D,
-    /// How it is combined with the rates of primitives, and of the attachment.
+    /// Combiners with the rates of primitives, and of the attachment.
     pub combiners: [Combiner; 2],
 }
 
@@ -114,7 +114,7 @@ mod tests {
         }
     }
 
-    /// Whatever comes first, the rate or the pipeline, in each of two command buffers.
+    /// With the rate or the pipeline first, in each of two command buffers.
     #[test]
     fn where_every_pixel_counts_the_default_stays() {
         let rates = by_application();

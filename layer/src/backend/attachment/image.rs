@@ -214,7 +214,7 @@ pub struct RateImages {
     live: Mutex<HashMap<RateImageKey, Weak<RateImage>>>,
     /// Takes the place of images that cannot be made.
     stand_in: OnceLock<Option<Arc<RateImage>>>,
-    /// How many could not be made.
+    /// Number of images that could not be made.
     failures: AtomicU32,
 }
 

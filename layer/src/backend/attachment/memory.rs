@@ -21,7 +21,7 @@ pub struct Memory {
     blocks: Vec<Block>,
 }
 
-/// Where an image's memory is.
+/// Location of an image's memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Suballocation {
     /// The allocation.

@@ -47,7 +47,7 @@ pub struct PassContext<'a> {
     pub area: vk::Rect2D,
     /// The mask of an earlier pass of the command buffer whose template depth of several samples still holds.
     pub covered_by: Option<&'a Arc<MaskMap>>,
-    /// How many passes of the command buffer cleared that depth for others to go on with.
+    /// Number of the command buffer's passes that cleared that depth for others to go on with.
     pub prepasses: u32,
 }
 

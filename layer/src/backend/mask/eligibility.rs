@@ -1,4 +1,4 @@
-//! Which passes can have a mask without anybody noticing, and why others cannot.
+//! Passes that can have a mask without a visible difference, and the reasons why others cannot.
 
 use crate::backend::mask::way::Returns;
 use crate::kernels::fill::fill_format;
@@ -151,7 +151,7 @@ impl PipelineFacts {
 pub struct Eligible {
     /// The depths in its template.
     pub depths: TemplateDepths,
-    /// How the template is laid out.
+    /// Layout of the template.
     pub format: DepthFormat,
     /// Format and samples of an image that it is drawn to and copied from; None if it is copied from a buffer, which takes an
     /// image of one sample (Vulkan specification, "Copying Data Between Buffers and Images").
@@ -176,7 +176,7 @@ impl DepthWork {
     }
 }
 
-/// How the depth aspect of a format is laid out in buffers.
+/// Layout of a format's depth aspect in buffers; `None` for a format without depth.
 pub fn depth_format(format: vk::Format) -> Option<DepthFormat> {
     match format {
         vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => Some(DepthFormat::Unorm16),

@@ -131,7 +131,7 @@ impl MaskMap {
         self.extent
     }
 
-    /// How many array layers there are.
+    /// Number of array layers.
     pub fn layers(&self) -> u32 {
         self.layers
     }
@@ -156,7 +156,7 @@ impl MaskMap {
         self.template.redraw(commands);
     }
 
-    /// How many bytes [`Self::stage`] writes, a multiple of four.
+    /// Number of bytes that [`Self::stage`] writes, a multiple of four.
     pub fn staging_len(&self) -> usize {
         self.list.capacity_words() * 4 + self.template.size() as usize
     }

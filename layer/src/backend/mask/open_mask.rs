@@ -20,7 +20,7 @@ pub struct OpenMask {
     pub(super) pending: SmallVec<[Pending; 2]>,
 }
 
-/// How fragments are kept from being shaded in it.
+/// Method that keeps its skipped fragments from being shaded.
 pub(super) enum OpenWay {
     Template(OpenDepth),
     Return(Return),

@@ -88,7 +88,7 @@ impl Masks {
     }
 }
 
-/// How often passes of a command buffer have cleared depth of several samples, for passes to come.
+/// Numbers of a command buffer's passes that cleared depth of several samples for later passes, by depth image.
 #[derive(Default)]
 pub struct Prepasses {
     counts: SmallVec<[(ImageKey, u32); 2]>,

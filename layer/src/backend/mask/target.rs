@@ -80,7 +80,7 @@ struct PassEvidence {
     is_scene: [bool; 2],
     /// Whether it drew straight into a swapchain.
     is_shown: bool,
-    /// In which frame that was, and how many frames after the one before.
+    /// Number of that frame, and number of frames since the one before.
     frame: u64,
     frames_since: u64,
     /// Whether depth of a pass is older than that, or outlives it: left-out tiles have no right depth.
@@ -96,7 +96,7 @@ impl TargetMask {
         Self { masks: Arc::clone(masks), target, extent, seen: Mutex::default(), map: OnceLock::new() }
     }
 
-    /// How many array layers are drawn to.
+    /// Number of array layers that are drawn to.
     pub(super) fn layers(&self) -> u32 {
         self.target.layers
     }

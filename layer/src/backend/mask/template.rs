@@ -133,7 +133,7 @@ impl DepthTemplate {
         inside && (self.image.is_some() || is_aligned())
     }
 
-    /// Where in the buffer the first pixel of a render area is, which lies inside.
+    /// Offset in the buffer of the first pixel of a render area, which lies inside, bytes.
     fn offset(&self, area: vk::Rect2D, layer: u32) -> u64 {
         let pixel = u64::from(area.offset.y.unsigned_abs()) * u64::from(self.extent[0])
             + u64::from(area.offset.x.unsigned_abs());

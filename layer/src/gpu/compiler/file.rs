@@ -13,7 +13,7 @@ const HEADER: &str =
 /// Most bytes of a file: the pipelines of all kernels take 0.1 to 1 MiB.
 const MAX_BYTES: u64 = 8 << 20;
 
-/// Where the data of one device is, and whose it is.
+/// File of the data of one device, and the first line, which identifies the device.
 pub(super) struct CacheFile {
     path: PathBuf,
     first: String,
@@ -89,7 +89,7 @@ mod tests {
         assert!(file(1, 2).write(&vec![0; MAX_BYTES as usize]).is_err());
     }
 
-    /// Wherever a file is cut, and whatever byte of it is another one.
+    /// A file that is cut at any byte, or has any one byte changed.
     #[test]
     fn a_damaged_file_has_no_data() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,13 +1,13 @@
-//! Which of several sources the gaze comes from.
+//! Choice of the gaze's source among several.
 
 use crate::inputs::gaze::Look;
 
-/// For how long the runtime's eye tracker holds after it saw the eyes last, nanoseconds: longer than a blink is held, so that nothing
-/// changes hands in one.
+/// Time for which the runtime's eye tracker holds after it saw the eyes last, nanoseconds: longer than a blink is held, so that the
+/// source does not change in one.
 const HOLD_NS: i64 = 1_000_000_000;
 
-/// After how long without eyes a tracker counts as one that has none, nanoseconds, on the clock of display times. Runtimes offer eye
-/// trackers that nobody feeds.
+/// Time without eyes after which a tracker counts as one that has none, nanoseconds, on the clock of display times. Runtimes offer eye
+/// trackers that get no data.
 const PATIENCE_NS: i64 = 5_000_000_000;
 
 /// A source of the gaze.

@@ -162,7 +162,8 @@ impl GazeCorrecting {
         self.state().drift.drift_deg()
     }
 
-    /// The place of the dot of debug view "ahead": degrees to the left and upwards of straight ahead, where a calibration does not show another one.
+    /// The place of the dot of debug view "ahead": degrees to the left and upwards of the centre of the view, unless a calibration
+    /// shows another one.
     pub fn dot_deg(&self) -> [f32; 2] {
         self.state().measurement.as_ref().map_or([0.0; 2], |measurement| DOTS_DEG[measurement.dot()])
     }

@@ -11,9 +11,9 @@ pub enum Look {
     Unseen,
     /// The newest that it knows.
     At {
-        /// Where the eyes looked, in the space of the head (-z is straight ahead), of any length.
+        /// Direction of the gaze in the space of the head (-z is the centre of the view), of any length.
         direction: Vec3,
-        /// When they did, nanoseconds on the clock of display times; 0: not known.
+        /// Time of the sample, nanoseconds on the clock of display times; 0: not known.
         sampled_ns: i64,
     },
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::thread::JoinHandle;
 
-/// How many lines may wait to be written: ten seconds at 100 Hz.
+/// Most lines that may wait to be written: ten seconds at 100 Hz.
 const MOST_WAITING: usize = 1000;
 
 /// A recording that goes on until it is dropped.

@@ -1,6 +1,6 @@
 //! A gaze in a file: recorded, or written by hand.
 //!
-//! A line is `seconds,left,up`: degrees from straight ahead to the left and upwards, in the space of the head. Seconds alone
+//! A line is `seconds,left,up`: degrees from the centre of the view to the left and upwards, in the space of the head. Seconds alone
 //! say that the eyes are not seen, until the next line. In between the gaze moves evenly; before the first line and after the
 //! last one it is as there. What begins with `#` is for people.
 
@@ -57,7 +57,7 @@ impl FromStr for GazeScript {
 }
 
 impl GazeScript {
-    /// Where the eyes look after so many seconds, a unit vector; nothing where they are not seen.
+    /// Direction of the gaze after so many seconds, a unit vector; `None` if the eyes are not tracked then.
     pub fn at(&self, seconds: f64) -> Option<Vec3> {
         let next = self.lines.partition_point(|line| line.seconds <= seconds);
         let from = self.lines.get(next.saturating_sub(1))?;
@@ -90,7 +90,7 @@ impl Line {
 pub struct GazeLine {
     /// Seconds since the first.
     pub seconds: f64,
-    /// Where the eyes looked, of any length but 0; nothing where they were not seen.
+    /// Direction of the gaze, of any length but 0; `None` if the eyes were not tracked.
     pub direction: Option<Vec3>,
 }
 

@@ -45,7 +45,7 @@ pub struct KeptDepth {
     handles: Vec<vk::Image>,
     aspects: vk::ImageAspectFlags,
     shape: DepthShape,
-    /// How many copies were made.
+    /// Number of copies made.
     turns: AtomicU64,
     gpu: Arc<Gpu>,
 }
@@ -61,7 +61,7 @@ impl fmt::Debug for KeptDepth {
 pub struct PictureDepth<'a> {
     /// The copies of which it is one.
     pub kept: &'a KeptDepth,
-    /// Which one, counted from 1.
+    /// Number of that copy, counted from 1.
     pub turn: u64,
     /// The array layer.
     pub array_layer: u32,

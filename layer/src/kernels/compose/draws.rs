@@ -1,4 +1,4 @@
-//! Which tiles of which regions are drawn, worked out before anything is recorded.
+//! The tiles that are drawn of each region, computed before anything is recorded.
 
 use super::reuse::{EarlierImage, Placed, ReuseRegion};
 use super::{ComposeJob, ComposeParams, ComposeRegion, MAX_REGIONS, SwapchainShape};
@@ -18,17 +18,17 @@ pub(super) struct Draw<'a> {
     pub(super) viewport: vk::Rect2D,
     /// The part of it that may be written.
     pub(super) scissor: vk::Rect2D,
-    /// How many tiles the viewport has.
+    /// Number of tiles of the viewport.
     pub(super) tiles: u32,
     /// The processing.
     pub(super) params: ComposeParams,
     /// Whether `params` attenuates any colour.
     pub(super) attenuates: bool,
-    /// Where the uniforms of `params` were written.
+    /// Offset of the uniforms written for `params`.
     pub(super) offset: Cell<u32>,
     /// Tiles from earlier pictures.
     pub(super) reuse: Option<&'a ReuseRegion<'a>>,
-    /// Where that was written.
+    /// Places at which those were written.
     pub(super) placed: RefCell<Placed>,
 }
 
@@ -77,13 +77,13 @@ impl<'a> Draws<'a> {
         self.iter().filter_map(|draw| draw.reuse)
     }
 
-    /// From which images of earlier pictures the job of this index copies.
+    /// Images of earlier pictures from which the job of this index copies.
     pub(super) fn copied_of(&self, job: usize) -> EarlierImages {
         let draws = self.iter().filter(|draw| draw.job == job);
         draws.flat_map(Draw::copied).map(|(_, image)| image).collect()
     }
 
-    /// Which images of earlier pictures the job of this index draws from.
+    /// Images of earlier pictures from which the job of this index draws.
     pub(super) fn sampled_of(&self, job: usize) -> EarlierImages {
         let draws = self.iter().filter(|draw| draw.job == job);
         draws.flat_map(Draw::sampled).map(|(_, image)| image).collect()
@@ -97,7 +97,7 @@ impl<'a> Draw<'a> {
         !self.attenuates && region.reuse.is_still_since(age + 1)
     }
 
-    /// From which earlier pictures tiles are copied: their index, and where they are.
+    /// Earlier pictures from which tiles are copied: their index, and their location.
     pub(super) fn copied(&self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
         let regions = self.reuse.into_iter();
         regions.flat_map(move |region| {
@@ -107,7 +107,7 @@ impl<'a> Draw<'a> {
         })
     }
 
-    /// From which earlier pictures anything is drawn.
+    /// Earlier pictures from which anything is drawn.
     pub(super) fn sampled(&self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
         let regions = self.reuse.into_iter();
         regions.flat_map(move |region| {

@@ -5,7 +5,7 @@ use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// Which of two shaders, that draw the same.
+/// Choice between two shaders that draw the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameters {
     /// Vertices hand the parameters of pixels on: cheaper on a CPU.
@@ -50,9 +50,9 @@ pub(super) struct ReusePipelines {
 
 /// Pipelines that blend.
 pub(super) struct Borders {
-    /// Where it has not moved.
+    /// Pipelines for a head that has not moved.
     pub(super) unmoved: [Arc<TilePipeline>; 2],
-    /// Where it has.
+    /// Pipelines for a head that has moved.
     pub(super) moved: [Arc<TilePipeline>; 2],
 }
 

@@ -20,7 +20,7 @@ pub struct ReuseRegion<'a> {
     pub reuse: Reuse<'a>,
     /// Lists made of `reuse`.
     pub lists: &'a TileLists,
-    /// Where the earlier pictures are, for each of [`Reuse::ages`].
+    /// Locations of the earlier pictures, one for each of [`Reuse::ages`].
     pub earlier: [EarlierImage; MAX_AGES],
     /// Width over which fresh pixels beside stale tiles are blended, pixels; 0: not at all.
     pub border: f32,
@@ -30,10 +30,10 @@ pub struct ReuseRegion<'a> {
     pub earlier_depth: [Option<PictureDepth<'a>>; MAX_AGES],
 }
 
-/// Where an earlier picture is.
+/// Location of an earlier picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EarlierImage {
-    /// Which of the application's images; not the newest one.
+    /// Index of the application's image; not the newest one.
     pub app_index: u32,
     /// The array layer.
     pub array_layer: u32,
@@ -42,7 +42,7 @@ pub struct EarlierImage {
 }
 
 impl<'a> ReuseRegion<'a> {
-    /// The earlier pictures: their index, and where they are.
+    /// The earlier pictures: their index, and their location.
     pub(super) fn pictures(&'a self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
         self.earlier.iter().enumerate().take(self.reuse.ages())
     }
@@ -66,10 +66,10 @@ impl<'a> ReuseRegion<'a> {
     }
 }
 
-/// How the tiles of one age are drawn.
+/// Draws of the tiles of one age.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Age {
-    /// Where its parameters are.
+    /// Offset of its parameters.
     pub(super) offset: u32,
     /// Whether nothing has moved since.
     pub(super) is_still: bool,
@@ -83,7 +83,7 @@ pub(super) struct Age {
     pub(super) border: Range<u32>,
 }
 
-/// How the tiles of one region are drawn.
+/// Draws of the tiles of one region.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Placed {
     /// Any parameters of the region, where it has none of an age.

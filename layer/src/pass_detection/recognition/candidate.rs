@@ -10,14 +10,14 @@ const LEAST: f32 = 0.5;
 /// The greatest.
 const MOST: f32 = 2.0;
 
-/// How far aspects may differ, pixels: sizes are often rounded to a multiple of 8.
+/// Greatest difference between equal aspects, pixels: sizes are often rounded to a multiple of 8.
 const ROUNDING: f32 = 8.0;
 
-/// The parts of a pass that has the aspect of an eye's picture (a single one, two beside each other, an array of two) and
+/// The parts of a pass that has the aspect of an eye buffer (a single one, two beside each other, an array of two) and
 /// is about as large.
 ///
-/// Which way up it is nobody can tell from this, and which eye only with multiview, whose views are those of
-/// OpenXR, and beside each other where they are shown so too.
+/// The vertical orientation is not known from this. The eye is known only with multiview, whose views are those of OpenXR, and for
+/// pictures beside each other that are shown so too.
 pub(super) fn looks(
     pass: &Pass,
     description: impl Fn(ImageKey) -> Option<ImageDescription>,
@@ -51,7 +51,7 @@ pub(super) fn looks(
     }
 }
 
-/// How eyes lie in a render area.
+/// Arrangement of eyes in a render area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Arrangement {
     Single,

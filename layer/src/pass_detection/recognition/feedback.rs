@@ -133,9 +133,9 @@ pub(super) fn is_picture(extent: [u32; 2], least: [f32; 2]) -> bool {
 /// The last time that an image became a picture of an eye, or a stage of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct EyePicture {
-    /// In which frame.
+    /// Number of the frame.
     frame: u64,
-    /// By which of its events.
+    /// Index of the event in that frame.
     index: usize,
     /// Whether by a copy or a full-screen pass, and not by a pass that shades.
     is_passed_on: bool,

@@ -19,7 +19,7 @@ pub(super) struct PassHistory {
 struct PassRecord {
     shape: PassSignature,
     pass: Pass,
-    /// How many passes of its frame drew its first image before.
+    /// Number of passes of its frame that drew its first image before.
     ordinal: usize,
     /// Whether its first image was made for this frame, or the last.
     is_young: bool,

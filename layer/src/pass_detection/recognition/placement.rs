@@ -1,10 +1,10 @@
-//! Where pictures of eyes lie in images, and where they come from.
+//! Placements of eye buffers in images, and their sources.
 
 use super::Parts;
 use crate::pass_detection::{Eyes, Orientation, Part, Target, Transfer};
 use smallvec::SmallVec;
 
-/// Where the whole picture of an eye lies in an image.
+/// Placement of a whole eye buffer in an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placement {
     pub(super) eyes: Eyes,
@@ -20,14 +20,14 @@ pub(super) type Placements = SmallVec<[Placement; 4]>;
 /// Render areas of passes: x, y, width, height in pixels.
 pub(super) type Areas = SmallVec<[[u32; 4]; 4]>;
 
-/// A transfer that writes a smaller share of the picture than this says nothing of where the picture comes from.
+/// A transfer that writes a smaller share of the picture than this is no evidence of the picture's source.
 const LEAST_SHARE: f32 = 0.25;
 
 /// Placements of one image that are kept.
 const MOST: usize = 8;
 
 impl Placement {
-    /// Where the picture lies in the source of `transfer`; `None` where it does not come from there.
+    /// Placement of the picture in the source of `transfer`; `None` if it does not come from there.
     pub(super) fn before(&self, transfer: &Transfer) -> Option<Self> {
         let Transfer { from, from_rect, to, to_rect, .. } = transfer;
         if from.level != 0 || to.level != 0 {
@@ -60,7 +60,7 @@ impl Placement {
         fits.then(|| (first.min(end), (end - first).abs(), end < first))
     }
 
-    /// How much of the placement's side lies in `rect`, 0..=1.
+    /// Share of the placement's side that lies in `rect`, 0..=1.
     fn share(&self, axis: usize, rect: &[i32; 4]) -> f32 {
         let (first, size) = (rect[axis] as f32, rect[axis + 2] as f32);
         let (first, end) = (first.min(first + size), first.max(first + size));

@@ -90,7 +90,7 @@ impl Swapchains {
         if unsteady { Err(Unmatched::Unsteady) } else { Ok(parts) }
     }
 
-    /// Where eyes' pictures lie in its images.
+    /// Placements of eye buffers in its images.
     pub(super) fn placements(&self, key: SwapchainKey) -> &[Placement] {
         self.get(key).map_or(&[], |swapchain| &swapchain.placements)
     }
@@ -121,7 +121,7 @@ impl Swapchains {
         sizes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]).unwrap_or_default()
     }
 
-    /// How many pictures of eyes there are in all swapchains.
+    /// Number of eye buffers in all swapchains.
     pub(super) fn count_pictures(&self) -> usize {
         self.known.iter().map(|swapchain| swapchain.placements.len()).sum()
     }

@@ -100,7 +100,7 @@ pub(super) struct Known<'a> {
 pub(super) struct Findings {
     /// The last event that may read anything and makes the picture.
     pub(super) unknown_reader: Option<usize>,
-    /// How many cameras it may read that look like an eye.
+    /// Number of cameras that it may read and that look like an eye.
     pub(super) candidates: usize,
     /// Whether the picture comes from cameras that do not draw it themselves, or may.
     pub(super) is_found: bool,
@@ -346,8 +346,8 @@ impl Provenance {
         }
     }
 
-    /// Where a reader may show anything: all cameras before it that look like an eye are taken, if they are no more than eyes. Returns their
-    /// number.
+    /// Finds the cameras of a reader that may show anything: all cameras before it that look like an eye, if they are no more than eyes.
+    /// Returns their number.
     fn find_only(&mut self, reader: usize, events: &[Event], known: &Known<'_>, is_apart: bool) -> usize {
         let is_before = |group: &Group| (group.passes[0] < reader) != is_apart;
         let may_be = |group: &Group| {

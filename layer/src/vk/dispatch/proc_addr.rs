@@ -1,4 +1,4 @@
-//! How the loader and the layers above find our functions and, through us, those below.
+//! Function lookup for the loader and the layers above: finds our functions and, through us, those below.
 //!
 //! A hook of ours is given out only where the next layer has the function too: what the driver lacks stays
 //! missing.
@@ -88,10 +88,10 @@ fn is_frequent(name: &CStr) -> bool {
             .any(|begin| name.starts_with(begin))
 }
 
-/// How the names of commands begin that set stencil tests.
+/// Prefix of the names of commands that set stencil tests.
 const STENCIL: &[u8] = b"vkCmdSetStencil";
 
-/// How the names of draws begin.
+/// Prefix of the names of draw commands.
 const DRAW: &[u8] = b"vkCmdDraw";
 
 /// Whether it is of interest: stencil where passes may have masks; draws and descriptors where passes may be made coarser; pipelines where

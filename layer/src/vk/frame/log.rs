@@ -82,7 +82,7 @@ impl Log {
         self.with_rates[0] = self.with_rates[0].saturating_add(1);
     }
 
-    /// How many passes had the plan's rates in the last frame.
+    /// Number of passes with the plan's rates in the last frame.
     pub fn with_rates(&self) -> u32 {
         self.with_rates[1]
     }

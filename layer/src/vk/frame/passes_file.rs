@@ -138,7 +138,7 @@ fn map(size: MapSize, texels: &[u8]) -> String {
     format!(",\"map\":{{\"texel\":{texel:?},\"tiles\":[{columns}, {rows}, {layers}],\"rates\":\"{rates}\"}}")
 }
 
-/// Whose picture it is, of all parts together.
+/// Eyes that the pass draws, over all of its parts.
 fn eyes(outcome: &Result<Match, Unmatched>) -> &'static str {
     let parts = outcome.as_ref().map_or(&[][..], |found| &found.parts);
     let shows = |eye| parts.iter().any(|part| part.eyes == eye || part.eyes == Eyes::Finer);

@@ -26,9 +26,9 @@ pub struct Decision {
     pub fixed: DecideParams,
     /// By contrast, where that counts.
     pub judged: Option<DecideParams>,
-    /// How the view is turned against a space that rests in the world.
+    /// Orientation of the view in a space that rests in the world.
     pub orientation: Quat,
-    /// How much coarser tiles may become since they were decided last, in 64ths of an octave.
+    /// Allowed coarsening of tiles since their last decision, in 64ths of an octave.
     coarsening: u32,
 }
 
@@ -78,7 +78,8 @@ impl Plan {
         }
     }
 
-    /// Which tiles each texel of `image` meets, where a pass draws `parts`; nothing where one of the eyes has none.
+    /// Table of the tiles that each texel of `image` meets, for a pass that draws `parts`. `None` if `image` is empty, or if an eye of
+    /// `parts` has no tiles or too many.
     pub fn table(&self, parts: &[Part], image: &RateImage) -> Option<RateMapTable> {
         rate_map_table(self.eyes.each_ref(), parts, image)
     }

@@ -1,4 +1,4 @@
-//! Which frames' passes are followed while the gates rest: no technique is on, and no trial is near.
+//! Selection of the frames whose passes are followed while the gates rest: no technique is on, and no trial is near.
 
 /// Frames from one sample to the next, of a device that rests: about three seconds. The gate takes ten to tell that the scene is another.
 const PERIOD: u64 = 270;
@@ -10,7 +10,7 @@ const SAMPLE: u64 = 12;
 /// Followed frames of a device at the least, from its first on: recognition has settled, and has listed the passes.
 const SETTLING: u64 = 240;
 
-/// Which frames are followed.
+/// Selection of the followed frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rest {
     /// The frame since which the gates rest. None while they do not.

@@ -15,10 +15,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 /// The descriptor sets of a device.
 #[derive(Default)]
 pub struct Descriptors {
-    /// Those with attachments, or of which nobody knows.
+    /// Sets with attachments, or with unknown content.
     sets: Table<vk::DescriptorSet, Held>,
-    /// How many were added since all were forgotten; and whether that ever was.
+    /// Number of sets added and not forgotten since.
     added: AtomicUsize,
+    /// Whether all sets were ever forgotten.
     is_overrun: AtomicBool,
     /// Layouts of sets that are as good as unknown: with long arrays, or written after they were bound.
     open_layouts: Table<vk::DescriptorSetLayout, ()>,

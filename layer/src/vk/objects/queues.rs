@@ -1,6 +1,6 @@
 //! Queues.
 
-/// Which queue of a device.
+/// Identity of a queue within its device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct QueueId {
     /// Its family.

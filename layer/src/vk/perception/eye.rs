@@ -27,7 +27,7 @@ pub struct Measured {
     pub received: u64,
     /// The parameters of its analysis.
     pub by: Parameters,
-    /// How many analyses directly before were of the same view, by the same parameters.
+    /// Number of consecutive analyses before this one of the same view, with the same parameters.
     pub same_view: u32,
 }
 

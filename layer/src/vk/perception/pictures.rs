@@ -19,7 +19,7 @@ pub struct Pictures {
     known: Vec<Known>,
 }
 
-/// Where a picture is.
+/// Place of a picture, and the parameters of its analysis.
 #[derive(Clone, Copy, PartialEq)]
 struct PictureKey {
     swapchain: u64,

@@ -37,7 +37,7 @@ struct Targets {
     mask: Option<Arc<MaskTarget>>,
 }
 
-/// Where a map is to be resolved.
+/// Target of resolving a map.
 pub struct MapTarget<'a> {
     /// The queue that it is submitted to.
     pub queue: vk::Queue,

@@ -277,7 +277,7 @@ impl Buffer {
         (candidate, mask, loading.flatten())
     }
 
-    /// Where a pass of this render area begins, whose depth of several samples holds the template of a mask, or of none.
+    /// State at the start of a pass of this render area. `covered_by`: the mask whose template its multisampled depth holds, if any.
     pub(super) fn context<'a>(
         &'a self,
         area: vk::Rect2D,

@@ -46,7 +46,7 @@ impl Buffer {
         }
     }
 
-    /// All of them.
+    /// Records all fills that wait.
     ///
     /// # Safety
     ///
@@ -56,7 +56,7 @@ impl Buffer {
         unsafe { self.fill_where(handle, |_| true) };
     }
 
-    /// Those of images that barriers bring to other layouts or queue families.
+    /// Records the fills of images that barriers bring to other layouts or queue families.
     ///
     /// # Safety
     ///

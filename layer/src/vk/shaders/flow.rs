@@ -35,12 +35,12 @@ struct Block {
     end: End,
 }
 
-/// Where a block goes on, by label.
+/// Successors of a block, by label.
 #[derive(Debug)]
 enum End {
-    /// At any of these; an end of the function has none.
+    /// Any of these; none at an end of the function.
     Any(SmallVec<[u32; 2]>),
-    /// At the second or the third, by the first.
+    /// The condition, then the labels for true and for false.
     If([u32; 3]),
     /// The selector, then the words of a switch: the default, and literals with their labels.
     Switch(u32, Box<[u32]>),

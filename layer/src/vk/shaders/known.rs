@@ -20,12 +20,12 @@ pub type Identifier = SmallVec<[u8; 32]>;
 /// So many modules are kept, the newest: the largest games have some ten thousand, with some hundred bytes each.
 const MOST_MODULES: usize = 16_384;
 
-/// How long new facts are collected before they are written.
+/// Time for which new facts are collected before they are written.
 const WRITTEN_AFTER: Duration = Duration::from_secs(2);
 
 /// The facts of a process.
 pub struct KnownShaders {
-    /// Where they are kept; `None`: nowhere.
+    /// File that they are written to; `None`: they are not written.
     file: Option<PathBuf>,
     state: Mutex<State>,
 }

@@ -18,7 +18,7 @@ pub struct ShaderModules(Table<vk::ShaderModule, Arc<Module>>);
 /// The facts of a module's shaders.
 struct Module {
     shaders: Arc<FragmentShaders>,
-    /// Where specialisation constants decide whether a shader discards.
+    /// Control flow of shaders that may discard, by specialisation constants. `None` if no shader discards, or if [`Flow::read`] gives none.
     flow: Option<Flow>,
 }
 

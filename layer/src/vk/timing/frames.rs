@@ -5,7 +5,7 @@ use super::queries::Interval;
 /// Frames that are kept; timestamps of older ones are not waited for any longer.
 const MOST: usize = 8;
 
-/// Whose commands a command buffer holds.
+/// Owner and purpose of the commands in a command buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
     /// The application's.

@@ -15,7 +15,7 @@ pub struct ApplicationInput {
     /// Its actions, with their sets.
     actions: Vec<(xr::Action, xr::ActionSet)>,
     gaze: GazeSuggestion,
-    /// How often it has suggested bindings for eye gaze.
+    /// Number of its suggestions of bindings for eye gaze.
     gaze_suggestions: u32,
     /// The user paths, such as `/user/hand/left`, that it has suggested bindings for.
     users: Vec<xr::Path>,
@@ -129,12 +129,12 @@ impl ApplicationInput {
         self.gaze_suggestions > 0
     }
 
-    /// How often it has suggested bindings for eye gaze.
+    /// Number of its suggestions of bindings for eye gaze.
     pub fn gaze_suggestions(&self) -> u32 {
         self.gaze_suggestions
     }
 
-    /// How our action set is to be beside its own; nothing where it cannot be.
+    /// Wanted properties of our action set beside its own sets. `None` if its suggestion for eye gaze has extending structures.
     pub fn wanted(&self, number: u32) -> Option<Wanted> {
         let applications = match &self.gaze {
             GazeSuggestion::Nothing => Vec::new(),

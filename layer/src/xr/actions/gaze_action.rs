@@ -17,17 +17,17 @@ const GAZE_SOURCE: &CStr = c"/user/eyes_ext/input/gaze_ext";
 pub struct GazeAction {
     /// The action set.
     pub set: xr::ActionSet,
-    /// Which of the application's suggestions for eye gaze was the newest when it was made, from 1; 0: none.
+    /// Number of the application's newest suggestion for eye gaze when it was made, from 1; 0: none.
     pub suggestion: u32,
     action: xr::Action,
     binding: xr::Path,
     profile: xr::Path,
 }
 
-/// How an action set of ours is to be.
+/// Wanted properties of an action set of the layer.
 #[derive(Debug, Clone, Default)]
 pub struct Wanted {
-    /// The how manieth it is of its instance, from 1: names are unique.
+    /// Number within its instance, from 1: names are unique.
     pub number: u32,
     /// As that of the application's set that has the gaze: a lower one would lose its source to that, a higher one would
     /// take it away. Without such a set 0, the lowest.

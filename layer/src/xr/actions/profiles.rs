@@ -26,7 +26,7 @@ struct State {
     known: Current,
 }
 
-/// How much of it is the application's.
+/// Visibility of the current profiles to the application.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Visibility {
     /// All, except profiles of the eyes only.

@@ -243,7 +243,7 @@ impl SessionActions {
         }
     }
 
-    /// Where the eyes look at `time`, as a direction in the space of the head.
+    /// Gaze at `time`, as a direction in the space of the head.
     pub fn look(&self, session: &Session, time: xr::Time) -> Look {
         if !self.may_have_gaze() {
             return Look::NoTracker;

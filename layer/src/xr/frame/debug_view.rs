@@ -29,7 +29,7 @@ pub struct DebugViews {
     pass: Option<DebugViewPass>,
     /// The maps of the eyes.
     maps: [Vec<u8>; 2],
-    /// Where each eye's picture was in the last frame.
+    /// Eye buffers of the last frame.
     shown: [Option<ShownEye>; 2],
     /// Number of that frame.
     frame: u64,
@@ -38,7 +38,7 @@ pub struct DebugViews {
     has_failed: bool,
 }
 
-/// Where an eye's picture is.
+/// Place of an eye buffer, and its field of view.
 #[derive(Clone, Copy)]
 struct ShownEye {
     sub_image: xr::SwapchainSubImage,
@@ -236,7 +236,7 @@ unsafe fn draw_eyes(
     Ok(!jobs.is_empty() && pass.submit(&jobs)?)
 }
 
-/// Where the pictures of the eyes are.
+/// Eye buffers of a projection layer.
 fn shown_eyes(scene: &Projection<'_>) -> [Option<ShownEye>; 2] {
     [0, 1].map(|eye| {
         let view = scene.views.get(eye)?;

@@ -26,14 +26,15 @@ use std::array;
 /// Pictures that are further apart than this, nanoseconds, are not of one run: the application paused, or was hidden.
 const LONGEST_GAP_NS: i64 = 100_000_000;
 
-/// How pictures are completed.
+/// Parameters for completing pictures from earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Completing {
     /// Whether re-used tiles are turned with the head; else they stay where they were in the picture (paper B).
     pub turns: bool,
-    /// How far fresh pixels beside re-used ones are blended, pixels.
+    /// Width of the border in which fresh pixels beside re-used ones are blended, pixels.
     pub border: f32,
-    /// How many pictures ago a tile may have been rendered before a part that a newer picture has of it is taken from that.
+    /// Greatest age of a tile that is taken from one picture, in pictures. Of an older tile, a part that a newer picture has is taken
+    /// from that picture.
     pub oldest: usize,
 }
 
@@ -67,9 +68,9 @@ pub struct History {
 pub struct ShownDepth {
     /// Its path.
     pub newest: NewestDepth,
-    /// In which layer.
+    /// Array layer.
     pub array_layer: u32,
-    /// In which rectangle, within the image.
+    /// Rectangle within the image.
     pub rect: DepthRect,
     /// The submitted view, and from where it was seen.
     pub viewpoint: Viewpoint,
@@ -78,21 +79,21 @@ pub struct ShownDepth {
 /// A picture as a frame shows it.
 #[derive(Debug, Clone, Copy)]
 pub struct ShownPicture {
-    /// Which virtual swapchain it is in.
+    /// Number of its virtual swapchain.
     pub substitute: u64,
     /// The space of its pose.
     pub space: xr::Space,
-    /// When it is shown.
+    /// Display time.
     pub time: xr::Time,
-    /// Which release it is, counted from 1.
+    /// Number of its release, counted from 1.
     pub release: u64,
-    /// Which of the application's images it is in.
+    /// Index of the application's image that contains it.
     pub image_index: u32,
-    /// In which layer of it.
+    /// Array layer of that image.
     pub array_layer: u32,
-    /// In which rectangle, within the image.
+    /// Rectangle within the image.
     pub rect: vk::Rect2D,
-    /// How it was looked at, and its pixels.
+    /// Orientation of its view, and its image plane.
     pub view: View,
 }
 
@@ -197,9 +198,9 @@ struct EyeHistory {
     len: usize,
     /// The swapchain and the space of all of them.
     of: Option<(u64, xr::Space)>,
-    /// How many pictures were pushed so far.
+    /// Number of pictures pushed so far.
     pushed: u64,
-    /// How many pictures were given up when the newest one was shown.
+    /// Number of pictures dropped when the newest one was shown.
     lost: usize,
     lists: EyeLists,
 }

@@ -1,4 +1,4 @@
-//! Which rectangles of a swapchain are processed: those that projection views show and nothing else does.
+//! Selection of the rectangles of a swapchain that are processed: shown by projection views, and by nothing else.
 
 use crate::inputs::gaze::in_view;
 use crate::kernels::compose::{ComposeParams, ComposeRegion};

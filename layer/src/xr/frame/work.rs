@@ -97,8 +97,8 @@ impl<'a> Work<'a> {
         ))
     }
 
-    /// Where `sub_image` is once the job is done: the runtime's images, which of them, and the rectangle in it; nothing where that makes no
-    /// sense.
+    /// Place of `sub_image` once the job is done: the runtime's images, the index of the image, and the rectangle in it. `None` if the
+    /// rectangle is not within the images, or the images were let go.
     pub fn written(&self, sub_image: &xr::SwapchainSubImage) -> Option<(&RuntimeImages, u32, vk::Rect2D)> {
         let rect = rect_within(sub_image, &self.images())?;
         Some((self.target.images()?, self.runtime_index, rect))

@@ -4,7 +4,7 @@ use parafovea_manifest::status::ASSUMED_DELAY_MS;
 
 const MS: i64 = 1_000_000;
 
-/// Where the eyes of a simulated viewer look: to another place every 300 to 700 milliseconds, without a pattern.
+/// Gaze of a simulated viewer, degrees: it moves to another place every 300 to 700 milliseconds, without a pattern.
 fn eyes_deg(ms: i64) -> [f32; 2] {
     let step = |ms: i64| (ms / 100) as u64;
     let mixed = |step: u64| step.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;

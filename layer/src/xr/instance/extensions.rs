@@ -9,7 +9,7 @@ use std::ptr;
 /// Eye gaze as an input action.
 const EYE_GAZE: &CStr = c"XR_EXT_eye_gaze_interaction";
 
-/// How an application's list of extensions stands to eye gaze.
+/// Eye gaze in an application's list of extensions.
 #[derive(Debug)]
 pub enum EyeGaze {
     /// The application asks for it.

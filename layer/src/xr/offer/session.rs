@@ -16,7 +16,7 @@ struct State {
     gazes: Vec<GazeBinding>,
     /// The actions that the newest synchronisation made active.
     active: SmallVec<[xr::Action; 2]>,
-    /// Those of `active` which no source of the runtime's drove then, though one could.
+    /// Actions of `active` that a source of the runtime's could drive, but none drove at that synchronisation.
     undriven: SmallVec<[xr::Action; 2]>,
     /// Whether the newest state that the application was told has the focus.
     was_focused: bool,

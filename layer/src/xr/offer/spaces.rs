@@ -24,7 +24,7 @@ struct ActionSpace {
 
 static SPACES: Registry<xr::Space, ActionSpace> = Registry::new();
 
-/// How many there are: without any, a locate costs no more than this.
+/// Number of entries in [`SPACES`]: without any, a locate only reads this number.
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 
 /// Whether there is any.

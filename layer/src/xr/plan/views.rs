@@ -232,8 +232,8 @@ fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time)
     head
 }
 
-/// How the head was turned when a projection layer's pictures were drawn, in the layer's space, where `locate` locates it: the direction of
-/// the gaze is known relative to the head.
+/// Orientation of the head in the layer's space at the time that a projection layer's eye buffers were drawn for: the direction of the
+/// gaze is known relative to the head. By `locate`, else by the views; by the views alone for [`GazeSource::Centre`].
 pub fn head_in_layer(
     config: &Config,
     layer: &Projection<'_>,

@@ -1,5 +1,5 @@
-//! How the head is turned, by the views that the application located. A locate of ours may wait for another process, so one is made only
-//! where the views do not tell, and every [`BETWEEN_COMPARISONS_NS`] to compare.
+//! Orientation of the head, by the views that the application located. A locate by the layer may wait for another process. So it is made
+//! only if the views are not enough, and every [`BETWEEN_COMPARISONS_NS`] to compare.
 
 use super::super::session::Session;
 use super::rests;
@@ -36,7 +36,7 @@ struct ViewsHead {
     turn: Quat,
 }
 
-/// What a locate said beside the views.
+/// Result of a locate, compared with the views.
 #[derive(Clone, Copy, Debug)]
 struct Comparison {
     space: xr::Space,
@@ -71,7 +71,7 @@ impl LocatedHead {
 }
 
 impl Session {
-    /// How the head is turned in the world at `time`; not at all where that is not known.
+    /// Orientation of the head in the world at `time`; the identity if it is unknown.
     pub fn head_in_world(&self, time: xr::Time) -> Quat {
         let known = self.head.known(None, time).map(|(views, comparison)| {
             let comparison = comparison.unwrap_or_else(|| self.compare(views));
@@ -81,7 +81,7 @@ impl Session {
         known.flatten().or_else(locate).unwrap_or(Quat::IDENTITY)
     }
 
-    /// How the head is turned in `space` at `time`.
+    /// Orientation of the head in `space` at `time`; `None` if it is unknown.
     pub fn head_in(&self, space: xr::Space, time: xr::Time) -> Option<Quat> {
         let known = self.head.known(Some(space), time).map(|(views, comparison)| {
             let comparison = comparison.unwrap_or_else(|| self.compare(views));

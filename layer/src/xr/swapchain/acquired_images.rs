@@ -1,4 +1,4 @@
-//! Which of the runtime's images the application has, where it gets them from the runtime itself.
+//! Images of the runtime that the application has acquired, if it gets them from the runtime itself.
 
 use smallvec::SmallVec;
 

@@ -18,7 +18,7 @@ pub enum Depth {
     Never,
     There {
         source: DepthSource,
-        /// Which copy is that of the image that was released last, if any is.
+        /// Number of the copy for the image that was released last; `None` if it has none.
         newest: Option<u64>,
     },
 }
@@ -44,7 +44,7 @@ impl Depth {
 pub struct NewestDepth {
     /// The copies.
     pub kept: Arc<KeptDepth>,
-    /// Which of them it is.
+    /// Number of its copy, counted from 1.
     pub turn: u64,
 }
 

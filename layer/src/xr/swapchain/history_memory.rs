@@ -7,11 +7,11 @@ use crate::status::HistoryTooLarge;
 /// the application's.
 const SHARE: u64 = 8;
 
-/// How many images a virtual swapchain gets whose runtime has `usual` of them and whose re-use wants `least`: no more than usual where the others
-/// take too much of the remaining memory. Devices that do not say how much remains have enough.
+/// Number of images of a virtual swapchain: the `usual` number of the runtime, or `least` for re-use if that is more. Devices that do not
+/// report the remaining memory count as having enough.
 ///
 /// # Errors
-/// There is too little.
+/// The images beyond `usual` would take too much of the remaining memory.
 pub fn images(usual: u32, least: u32, memory: ImageMemory) -> Result<u32, HistoryTooLarge> {
     let needs = u64::from(least.saturating_sub(usual)).saturating_mul(memory.bytes);
     match memory.remaining {

@@ -20,7 +20,7 @@ pub struct Ring {
 /// The image that the application released last: the one of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Newest {
-    /// Which image.
+    /// Index of the image.
     pub index: u32,
     /// The number of releases until now, for [`Ring::mark_shown`].
     pub release: u64,
@@ -87,7 +87,7 @@ impl Ring {
         self.waited < release + self.count
     }
 
-    /// How many images there are.
+    /// Number of images.
     pub fn count(&self) -> u64 {
         self.count
     }

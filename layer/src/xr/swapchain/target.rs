@@ -5,14 +5,14 @@ use crate::xr::dispatch::Next;
 use openxr_sys as xr;
 use std::ptr;
 
-/// How long a frame waits for the runtime to have done with an image, in nanoseconds: 2 ms, a fifth of a frame
+/// Time that a frame waits for the runtime to finish with an image, nanoseconds: 2 ms, a fifth of a frame
 /// at 90 Hz. After that the last image is submitted again.
 const PATIENCE_NANOS: i64 = 2_000_000;
 
 /// Room for regions without allocation: four views of two projection layers.
 const REGIONS: usize = 8;
 
-/// How far one of the runtime's images is taken.
+/// State of one of the runtime's images between acquire and release.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Held {
     Nothing,

@@ -51,7 +51,7 @@ const SHADERS: &str = "
         found[(id.y * size.x + id.x) * 4u + id.z] = bitcast<u32>(textureLoad(slope, id.xy, i32(id.z)));
     }";
 
-/// An image of several samples of the application's, and what draws to it and reads it. Never destroyed.
+/// An image of several samples of the application's, and the pipelines that draw to it and read it. Never destroyed.
 pub(super) struct Picture<'a> {
     pub(super) vulkan: &'a Vulkan,
     pub(super) kind: SampleKind,
@@ -271,7 +271,7 @@ fn code() -> Vec<u32> {
     naga::back::spv::write_vec(&module, &valid.unwrap(), &options, None).unwrap()
 }
 
-/// What draws to the samples of a mask.
+/// Pipeline that draws to the samples of a mask.
 fn pipeline(
     device: &ash::Device,
     (pass, layout): (vk::RenderPass, vk::PipelineLayout),
@@ -323,7 +323,7 @@ fn pipeline(
     unsafe { device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) }.unwrap()[0]
 }
 
-/// What reads all samples of a layer, and the layout of its set.
+/// Pipeline that reads all samples of a layer, with its layout, and the layout of its set.
 fn reader(
     device: &ash::Device,
     kind: SampleKind,

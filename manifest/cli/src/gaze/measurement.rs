@@ -45,10 +45,10 @@ struct Options {
     reset: bool,
 }
 
-/// How long a measurement may take, with the time for request and answer, and for dots that are repeated: an application that is slower hangs.
+/// Time limit of a measurement, with the time for request and answer, and for repeated dots: a slower application hangs.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How often the status is looked at meanwhile.
+/// Interval at which the status is read meanwhile.
 const EVERY: Duration = Duration::from_millis(100);
 
 /// The dots in rows from the top left, by their places in the order of appearance.

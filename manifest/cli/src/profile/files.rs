@@ -1,4 +1,4 @@
-//! Which files there are.
+//! Configuration files of the user.
 
 use super::Failure;
 use parafovea_manifest::config::Places;

@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 /// Name for the configured view.
 const SETTINGS: &str = "settings";
 
-/// How long applications are given to follow: they tell every second, and those that have not told for so long hang.
+/// Time limit for applications to follow. They report every second; one that has not reported for so long hangs.
 const PATIENCE: Duration = Duration::from_secs(FRESH_S);
 
-/// How often they are looked at meanwhile.
+/// Interval at which the status is read meanwhile.
 const EVERY: Duration = Duration::from_millis(100);
 
 /// The names that can be asked for.

@@ -212,7 +212,7 @@ impl<'a> Calls<'a> {
     }
 }
 
-/// Where `pose` is, moved by `offset` in its own space.
+/// Pose at `offset` from `pose`, in the space of `pose`.
 fn moved(pose: xr::Posef, offset: xr::Posef) -> xr::Posef {
     let quat = |q: xr::Quaternionf| glam::Quat::from_xyzw(q.x, q.y, q.z, q.w);
     let vec = |v: xr::Vector3f| glam::Vec3::new(v.x, v.y, v.z);

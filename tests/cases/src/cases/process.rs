@@ -26,7 +26,7 @@ unsafe extern "C" {
     fn waitpid(process: c_int, status: *mut c_int, options: c_int) -> c_int;
 }
 
-/// How a child ends.
+/// Way in which a child process exits.
 #[derive(Clone, Copy, Debug)]
 enum End {
     /// Exit by `exit`: handlers for the end of the thread and of the process run, in a process with one thread; the driver's handlers do

@@ -1,4 +1,4 @@
-//! How applications lay out and format their swapchains.
+//! Layouts and formats of the swapchains of applications.
 
 use super::stereo::Stereo;
 use super::{FRAMES, Outcome};

@@ -17,7 +17,7 @@ pub struct Group {
     pub names: Vec<Option<String>>,
 }
 
-/// How a test of a group ended.
+/// Outcome of a test of a group.
 pub struct Ended {
     pub ending: Ending,
     /// A mean over the tests of its process.
@@ -73,7 +73,7 @@ fn alone(run: Result<(Ending, Watched)>, failed_in_group: bool) -> Ended {
     }
 }
 
-/// How a test ended in a process with others.
+/// Outcome of a test in a process with others.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Outcome {
     Passed,

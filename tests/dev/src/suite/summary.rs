@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::fmt::{self, Display};
 use std::time::Duration;
 
-/// How many of the slowest tests are listed.
+/// Number of the slowest tests in the list.
 const SLOWEST: usize = 10;
 
-/// How many names are listed for a reason.
+/// Number of names in the list for a reason.
 const NAMES: usize = 3;
 
 /// Result of a test.
@@ -45,7 +45,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// How many tests failed.
+    /// Number of failed tests.
     pub fn failed(&self) -> usize {
         self.tests.iter().filter(|test| test.failure(self.is_strict).is_some()).count()
     }

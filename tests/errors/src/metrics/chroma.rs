@@ -26,7 +26,7 @@ const LMS_TO_ACC: DMat3 = DMat3::from_cols(
     DVec3::new(0.0, 0.0, 50.9875),
 );
 
-/// How the three mechanisms answer to red, green and blue light, scaled so that white has achromatic 1.
+/// Responses of the opponent mechanisms to red, green and blue light, scaled so that white has achromatic 1.
 pub(crate) struct Opponent {
     red_green: Vec3,
     yellow_violet: Vec3,

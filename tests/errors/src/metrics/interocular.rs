@@ -55,7 +55,7 @@ fn turn(from: Vec3, to: Vec3) -> Quat {
     Quat::from_rotation_arc(from.normalize_or(Vec3::NEG_Z), to.normalize_or(Vec3::NEG_Z))
 }
 
-/// Where a direction lies in a picture, if it does.
+/// Pixel position of a direction in a picture; None outside the picture.
 fn pixel(field: &Field, direction: Vec3) -> Option<Vec2> {
     let pixel = (direction.truncate() / -direction.z - field.plane.origin) / field.plane.step;
     let extent = Vec2::new(field.extent[0] as f32, field.extent[1] as f32);
@@ -70,7 +70,7 @@ fn sample(map: &Plane, field: &Field, pixel: Vec2) -> f32 {
     map.at(at(pixel.x, field.extent[0], map.width()), at(pixel.y, field.extent[1], map.height()))
 }
 
-/// How far each tile of `test` is displaced to the right of `reference`, arc minutes. `None` for tiles without
+/// Displacement of each tile of `test` to the right of `reference`, arc minutes. `None` for tiles without
 /// texture to match.
 pub(crate) fn displacements(reference: &Plane, test: &Plane, field: &Field) -> Vec<Option<f32>> {
     let displacement = |tile: usize| {

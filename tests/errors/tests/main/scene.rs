@@ -54,7 +54,7 @@ fn texture(at: Vec2) -> Light {
 static TEXTURE: LazyLock<Plane<Light>> =
     LazyLock::new(|| Plane::from_fn(SIDE + FARTHEST, SIDE, |x, y| texture(Vec2::new(x as f32, y as f32))));
 
-/// How far clips move, pixels.
+/// Largest displacement of the texture in clips, pixels.
 const FARTHEST: u32 = 64;
 
 /// One eye, `frames` frames at 90 Hz, of the texture moving left by `speed` pixels a frame.

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// Render passes of a command buffer whose samples are counted.
 pub(super) const MOST_PASSES: u32 = 256;
 
-/// Where timestamps are written: when all commands before them are done.
+/// Stage of the timestamps: the end of all commands before them.
 const ALL_DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
 
 struct Pool {
@@ -27,7 +27,7 @@ struct Buffer {
     queries: vk::QueryPool,
     /// Whether the recorded commands can use the queries.
     counted: bool,
-    /// How many it does use.
+    /// Number of queries that it uses.
     used: u32,
     /// Whether it is in a render pass with a query.
     in_pass: bool,

@@ -1,4 +1,4 @@
-//! Which barriers to drop.
+//! Pattern of the barriers to drop.
 
 use ash::vk;
 use std::str::FromStr;

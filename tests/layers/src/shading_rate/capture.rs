@@ -10,7 +10,7 @@ pub(super) struct Capture {
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
     size: vk::DeviceSize,
-    /// Where it is mapped.
+    /// Address of its mapped memory.
     address: usize,
 }
 

@@ -22,7 +22,7 @@ pub(super) unsafe fn find<'a, T: vk::TaggedStructure>(at: *const c_void) -> Opti
     None
 }
 
-/// How many structures of a type are in a chain.
+/// Number of structures of a type in a chain.
 ///
 /// # Safety
 ///

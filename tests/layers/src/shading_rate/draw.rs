@@ -95,7 +95,7 @@ draws! {
 
 macro_rules! counted_draws {
     ($($hook:ident -> $next:ident, $name:literal;)*) => {
-        /// How many draws there are is in a buffer: they count as one.
+        /// Draws with their number in a buffer, which count as one.
         $(unsafe extern "system" fn $hook(
             buffer: vk::CommandBuffer,
             arguments: vk::Buffer,

@@ -51,7 +51,7 @@ pub struct ShadingRatePass {
     pub targets: Vec<String>,
     /// Draw calls in the pass, of a suspended one only those before it is resumed.
     pub draws: u32,
-    /// Those of them whose second combiner regards the attachment, so that it is not KEEP.
+    /// Number of these draw calls that obey the attachment: their second combiner is not KEEP.
     pub draws_obeying: u32,
     /// The size of a texel's area in pixels.
     pub texel: [u32; 2],
@@ -66,7 +66,7 @@ pub struct ShadingRatePass {
 pub struct ShadingRateMap {
     /// Texels: width, height, layers.
     pub extent: [u32; 3],
-    /// How many texels have each rate, as `2x1` (width, height).
+    /// Number of texels of each rate, named as `2x1` (width, height).
     pub histogram: BTreeMap<String, u32>,
     /// FNV-1a of the texels' bytes, 64 bits, in hexadecimal digits.
     pub hash: String,

@@ -61,7 +61,7 @@ struct Draws {
 const KIND: &str = "command";
 
 impl Recording {
-    /// Which of [`Self::passes`] commands are in.
+    /// The one of [`Self::passes`] that contains the next commands.
     fn current_pass(&mut self) -> Option<&mut RecordedPass> {
         let index = match self.current.as_ref()? {
             Current::RenderPass { subpass, passes, .. } => passes.get(*subpass).copied().flatten(),

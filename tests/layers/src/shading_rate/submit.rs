@@ -23,8 +23,8 @@ pub(super) struct InFlight {
     passes: Vec<RecordedPass>,
 }
 
-/// How long a completed submit's fence is waited for. It is longer only where the submit waits for something
-/// that the application does later.
+/// Longest wait for the fence of a submit. It takes longer only if the submit waits for something that the
+/// application does later.
 const PATIENCE_NS: u64 = 5_000_000_000;
 
 /// A wait for a semaphore makes everything before visible at its stages.

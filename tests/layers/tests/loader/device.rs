@@ -5,7 +5,7 @@ use ash::vk;
 /// Side of the image, in pixels.
 pub const SIDE: u32 = 256;
 
-/// How the application asks for device features.
+/// Way in which the application requests device features.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Asks {
     /// In VkDeviceCreateInfo, or not at all where there are none.

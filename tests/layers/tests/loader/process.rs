@@ -27,7 +27,7 @@ pub struct Ended {
     pub result: String,
     /// Errors and warnings of the validation layer.
     pub findings: Vec<String>,
-    /// All that was printed.
+    /// The whole output.
     pub output: String,
     folder: TempDir,
 }

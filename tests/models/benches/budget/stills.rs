@@ -21,7 +21,7 @@ use wgpu::TextureFormat;
 /// Field of view: 90 degrees.
 pub const FOV: Fov = Fov { left: -FRAC_PI_4, right: FRAC_PI_4, up: FRAC_PI_4, down: -FRAC_PI_4 };
 
-/// Which frame.
+/// Number of the frame.
 const FRAME: u64 = 60;
 
 /// A picture.

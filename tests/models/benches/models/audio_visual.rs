@@ -12,10 +12,10 @@ use parafovea_scene::script::WHITE_CD_M2;
 use parafovea_scene::script::head::EYE_HEIGHT_M;
 use wgpu::TextureFormat;
 
-/// Which frame is shown.
+/// Number of the shown frame.
 const FRAME: u64 = 60;
 
-/// All scenes, straight ahead; fewer where there is no Vulkan device, with the reason on standard error.
+/// All scenes with the gaze at the centre of the view; fewer without a Vulkan device, with the reason on standard error.
 pub fn scenes() -> Vec<Scene> {
     let drawn = SceneName::ALL.into_iter().map(|name| (name, drawn(name)));
     drawn

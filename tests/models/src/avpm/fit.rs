@@ -56,7 +56,7 @@ pub enum FitError {
     /// A feature or score is NaN or infinite, or gamma_fq is not above 0.
     #[error("entry {index} is not finite, or its gamma_fq is not above 0")]
     NotFinite {
-        /// Which of the entries given, from 0.
+        /// Index of the entry.
         index: usize,
     },
     /// Not enough combinations of features.
@@ -68,7 +68,7 @@ pub enum FitError {
     /// Features that are the same in every entry.
     #[error("{} never vary, so their weight cannot be determined (rank {rank} of {UNKNOWNS})", list(.features))]
     Constant {
-        /// Which.
+        /// These features.
         features: Vec<Feature>,
         /// Columns of Eq. 13's X that are independent.
         rank: usize,

@@ -40,14 +40,14 @@ pub fn non_negative<const N: usize>(rows: &[[f64; N]], targets: &[f64]) -> Optio
         .min_by(|a, b| a.residual.total_cmp(&b.residual))
 }
 
-/// How many columns are independent of each other, to a part of 1e-6 of each one's length. 0 where a number is NaN or
+/// Number of linearly independent columns, to a part of 1e-6 of each one's length. 0 where a number is NaN or
 /// its square infinite.
 pub fn rank<const N: usize>(rows: &[[f64; N]]) -> usize {
     let mut columns = Orthogonal::<N>::default();
     (0..N).filter(|&column| columns.add(rows, column)).count()
 }
 
-/// The ordinary solution with only the columns of which `set` has the bit; 0 for the others. Nothing where they are
+/// The ordinary solution with only the columns of which `set` has the bit; 0 for the others. None if they are
 /// dependent.
 fn on_columns<const N: usize>(rows: &[[f64; N]], targets: &[f64], set: u32) -> Option<[f64; N]> {
     let mut columns = Orthogonal::<N>::default();
@@ -61,9 +61,9 @@ fn on_columns<const N: usize>(rows: &[[f64; N]], targets: &[f64], set: u32) -> O
 
 /// Q and R of some columns, by Gram and Schmidt with every projection done twice.
 struct Orthogonal<const N: usize> {
-    /// Which column each step took, and its orthogonal unit vector.
+    /// Column of each step, and its orthogonal unit vector.
     steps: Vec<(usize, Vec<f64>)>,
-    /// `r[i][j]`: how much of step i's vector column j has.
+    /// `r[i][j]`: component of column j along the vector of step i.
     r: [[f64; N]; N],
 }
 

@@ -1,4 +1,4 @@
-//! Where the eyes really look: fixations, pursuits, and saccades between them, at things near and far.
+//! True gaze of the eyes: fixations, pursuits, and saccades between them, on targets near and far.
 
 use super::random::Random;
 use glam::{DQuat, DVec3};
@@ -13,24 +13,24 @@ pub const DISTANCES_M: [f64; 4] = [0.3, 0.5, 1.0, f64::INFINITY];
 /// Amplitudes of saccades, degrees.
 const AMPLITUDES_DEG: Range<f64> = 2.0..30.0;
 
-/// How far from straight ahead things are that are looked at, degrees.
+/// Largest angle of new targets from the forward direction, degrees.
 const REACH_DEG: f64 = 25.0;
 
 /// A saccade that falls short does so by this part, and a second one corrects it.
 const SHORTFALL: f64 = 0.08;
 
-/// Something that is looked at for a while, without the saccades on both sides.
+/// A fixation or pursuit of one target, without the saccades on both sides.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// When the eyes land on it, seconds.
+    /// Time at which the eyes land on it, seconds.
     pub start_s: f64,
-    /// When they leave.
+    /// Time at which they leave.
     pub end_s: f64,
-    /// Where it is when they land, unit vector from between the eyes.
+    /// Its direction at the landing, unit vector from between the eyes.
     pub from: DVec3,
     /// Its rotation around the head, radians a second along an axis; 0 at rest.
     pub turn: DVec3,
-    /// How far away it is, metres.
+    /// Its distance, metres.
     pub distance_m: f64,
 }
 
@@ -111,7 +111,7 @@ impl EyePath {
         Self { looks: vec![look], shapes: Vec::new(), blinks: Vec::new() }
     }
 
-    /// All that is looked at, in order.
+    /// All targets of the eyes, in order.
     pub fn looks(&self) -> &[Look] {
         &self.looks
     }
@@ -160,7 +160,7 @@ impl EyePath {
         (gone((t - leaves) / (lands - leaves)) / gone(1.0)).clamp(0.0, 1.0)
     }
 
-    /// How far the saccade goes that lands on the thing of this number, degrees; 0 for the first.
+    /// Amplitude of the saccade that lands on the target of this number, degrees; 0 for the first.
     pub fn amplitude_deg(&self, number: usize) -> f64 {
         let Some(before) = number.checked_sub(1).map(|before| &self.looks[before]) else { return 0.0 };
         before.at(before.end_s).angle_between(self.looks[number].from).to_degrees()
@@ -171,7 +171,7 @@ impl EyePath {
         self.blinks.iter().any(|blink| blink.contains(&t))
     }
 
-    /// Which of [`DISTANCES_M`] the thing has that the eyes look at; nothing while they jump or are shut.
+    /// Index in [`DISTANCES_M`] of the distance of the current target; None in saccades and blinks.
     pub fn seen(&self, t: f64) -> Option<usize> {
         let Event::Looking(number) = self.event(t) else { return None };
         let distance_m = self.looks[number].distance_m;

@@ -1,4 +1,4 @@
-//! How well a region follows the eyes: where they look within it, and how large it is.
+//! Scores of a region that follows the eyes: the gaze within it, and its size.
 
 use super::baselines::{OneEuro, TUNED, Unfiltered};
 use super::path::{Event, EyePath, HALF_IPD_M};
@@ -14,13 +14,13 @@ const FRAME_S: f64 = 1.0 / 90.0;
 /// Start of the time that counts: trust has to rise first.
 const WARM_UP_S: f64 = 1.0;
 
-/// From how far on saccades are large, degrees: they leave the region that was at full rate before.
+/// Smallest amplitude of large saccades, degrees: they leave the region that was at full rate before.
 const FAR_DEG: f64 = 12.0;
 
-/// Moments of each frame at which is looked where the eyes are.
+/// Samples of the true gaze in each frame.
 const LOOKS_A_FRAME: u32 = 4;
 
-/// Where the eyes are relative to the origin of the ray, metres.
+/// Positions of the eyes relative to the origin of the ray, metres.
 const EYES_M: [Vec3; 2] = [Vec3::new(-HALF_IPD_M as f32, 0.0, 0.0), Vec3::new(HALF_IPD_M as f32, 0.0, 0.0)];
 
 /// Something that makes a gaze from a tracker's reports.
@@ -55,7 +55,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All that are reported.
+    /// All reported methods.
     pub const ALL: [Self; 4] =
         [Self::Tracker, Self::TrackerWithDepth, Self::Unfiltered, Self::OneEuro(TUNED)];
 
@@ -83,17 +83,17 @@ impl Method {
 struct Moment {
     /// Least radius with which the region contains the fixation point, degrees.
     needs_deg: f64,
-    /// By how much the region is inflated then, degrees.
+    /// Inflation of the region then, degrees.
     inflation_deg: f64,
-    /// From where the eyes look to where they are thought to look, both from between them, degrees.
+    /// Angle between the true and the estimated gaze, both from between the eyes, degrees.
     error_deg: f64,
-    /// Which of [`DISTANCES_M`](super::path::DISTANCES_M).
+    /// Index in [`DISTANCES_M`](super::path::DISTANCES_M).
     distance: usize,
     /// Whether it is so soon after the landing that no sample can have told of it.
     early: bool,
 }
 
-/// How large the region is.
+/// Radius of the region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Radius {
     /// With the widening of the safety limits: a base, degrees, and the possible movement of the eyes on top.

@@ -128,7 +128,7 @@ fn frames() -> Vec<Case> {
     .collect()
 }
 
-/// How many frames the oldest tile went without being rendered, and by how many the latest one missed its period.
+/// Greatest age of a tile since it was rendered, and greatest delay beyond a tile's period, both in frames.
 fn oldest(phase: Phase, frames: impl Iterator<Item = u64>) -> String {
     let tiles = view(512);
     let [columns, rows] = tiles.tiles();

@@ -29,12 +29,12 @@ const NOISE_DEG: f64 = 0.3;
 /// A sample tells of a saccade that began so long before it, seconds: a fifth of the way, with noise.
 const TOLD_S: f64 = 0.01;
 
-/// Which frames.
+/// Frames of a mean error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frames {
     /// From the beginning of a saccade until 100 ms after its landing.
     Saccades,
-    /// Of these, the ones for which a sample is known that tells of it. In the others nobody can know of it.
+    /// Of these, the ones for which a sample that shows the saccade is known. The others cannot be predicted.
     Told,
     /// The eyes rest.
     Fixations,
@@ -47,7 +47,7 @@ impl Frames {
     pub const ALL: [Self; 4] = [Self::Saccades, Self::Told, Self::Fixations, Self::Pursuits];
 }
 
-/// What the gaze of a frame is.
+/// Source of the gaze of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Predictor {
     /// The newest sample.

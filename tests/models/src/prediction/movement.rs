@@ -19,7 +19,7 @@ const AMPLITUDES_DEG: Range<f64> = 1.0..20.0;
 /// Mean of their distribution, which is exponential within that range, degrees (Bahill, Adler and Stark 1975).
 const USUAL_AMPLITUDE_DEG: f64 = 7.6;
 
-/// How far from straight ahead things are that are looked at, degrees.
+/// Largest angle of new targets from the forward direction, degrees.
 const REACH_DEG: f64 = 22.0;
 
 /// Diffusion of the eyes in a fixation, square degrees a second: 40 square minutes of arc (Kuang et al. 2012).
@@ -28,7 +28,7 @@ const DIFFUSION_DEG2_S: f64 = 40.0 / 3600.0;
 /// For how long after a landing a frame is around a saccade, seconds.
 const AFTER_S: f64 = 0.1;
 
-/// What the eyes do at a moment.
+/// State of the eyes at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Movement {
     /// They rest.
@@ -83,7 +83,7 @@ impl Movements {
         self.directions[index].lerp(self.directions[index + 1], place - index as f64).normalize()
     }
 
-    /// What the eyes do at a time.
+    /// State of the eyes at a time.
     pub fn movement(&self, t: f64) -> Movement {
         self.movements[((t * STEPS_HZ).max(0.0) as usize).min(self.movements.len() - 1)]
     }

@@ -31,7 +31,7 @@ impl Image {
         DVec3::new(x, y, -1.0)
     }
 
-    /// Where a ray meets the image, if it points ahead.
+    /// Position in the image, pixels, of a ray; None if it does not point ahead.
     pub fn pixel(&self, ray: DVec3) -> Option<DVec2> {
         let [left, right, up, down] = self.tangents;
         let at = DVec2::new(ray.x, ray.y) / -ray.z;
@@ -49,7 +49,7 @@ impl Image {
     }
 }
 
-/// Where a pixel of one view lies in another, by its ray; orientations of unit length.
+/// Reprojects a pixel of one view into another, by its ray; orientations of unit length. None if the ray does not point ahead there.
 pub fn reprojected(
     pixel: DVec2,
     from: &Image,

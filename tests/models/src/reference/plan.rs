@@ -36,7 +36,7 @@ impl View {
         [at(tile), at([tile[0] + 1, tile[1] + 1])]
     }
 
-    /// Where a pixel lies on the plane one unit ahead.
+    /// Position of a pixel on the plane one unit ahead.
     fn on_plane(&self, pixel: DVec2) -> DVec2 {
         let edge = |angle: f32| f64::from(angle).tan();
         let part = pixel / DVec2::new(f64::from(self.extent[0]), f64::from(self.extent[1]));
@@ -106,7 +106,7 @@ pub fn fixed_rate(map: &FixedFoveation, eccentricity_deg: f64, rates: &[ShadingR
     coarsest(rates, |rate| f64::from(rate.fraction()) >= wanted)
 }
 
-/// Whose sensitivity.
+/// Model of the contrast sensitivity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sensitivity {
     /// castleCSF at the frequencies where the bands respond, the greater of both visual fields.

@@ -13,7 +13,7 @@ const DURATION_S: f64 = 21.0;
 pub struct Row {
     /// The case.
     pub case: Case,
-    /// Where nothing becomes coarser in and after saccades, and where it does at once.
+    /// Scores with rates that become coarser only some time after saccades, and with rates that become coarser at once.
     pub scores: [Score; 2],
 }
 

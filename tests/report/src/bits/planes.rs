@@ -2,7 +2,7 @@
 
 use parafovea_tests::picture::Picture;
 
-/// How many samples of chroma there are.
+/// Density of the chroma samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
     /// One for 2 x 2 pixels.

@@ -1,4 +1,4 @@
-//! How sure a figure is that was found in a few frames.
+//! Confidence interval of a figure from a few frames.
 
 use fastrand::Rng;
 
@@ -15,7 +15,7 @@ pub struct Interval {
 /// Romano 1992).
 #[derive(Clone, Copy, Debug)]
 pub struct Bootstrap {
-    /// How often frames are drawn.
+    /// Number of times that frames are drawn.
     pub resamples: usize,
     /// Frames that are drawn together, one after the other.
     pub block: usize,

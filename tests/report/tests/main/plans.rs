@@ -1,4 +1,4 @@
-//! How much a report is.
+//! Contents and work of a report.
 
 use parafovea_report::hardware::hardware_points;
 use parafovea_report::plan::Plan;

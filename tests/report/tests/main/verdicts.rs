@@ -1,4 +1,4 @@
-//! Who loses less at equal cost.
+//! Comparison of losses at equal cost.
 
 use crate::made_up::{results, scene};
 use parafovea_report::page::contests;

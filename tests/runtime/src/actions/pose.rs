@@ -1,4 +1,4 @@
-//! Where pose actions are.
+//! Locations of pose actions.
 
 use super::bindings::Binding;
 use super::profiles::EYES;
@@ -31,7 +31,7 @@ pub(crate) fn is_gaze(
     binding(runtime, session, action, subaction).is_some_and(|binding| binding.user == EYES)
 }
 
-/// When the eyes looked where the tracker says that they look at `time`.
+/// Time of the gaze sample that the tracker reports at `time`.
 pub(crate) fn sampled_at(runtime: &Runtime, session: xr::Session, time: i64) -> i64 {
     let tracker = &runtime.scenario.tracker;
     let located = runtime.sessions.get(session).ok().and_then(|session| session.frames.views_located);
@@ -39,7 +39,7 @@ pub(crate) fn sampled_at(runtime: &Runtime, session: xr::Session, time: i64) -> 
     time - ((tracker.latency_ms - newer_ms) * 1e6) as i64
 }
 
-/// Where the hands rest, in the LOCAL space: mirrored for the left one.
+/// Position of the right hand in the LOCAL space; mirrored for the left one.
 const RIGHT_HAND: Vec3 = Vec3::new(0.2, -0.3, -0.5);
 
 /// An action's pose in the LOCAL space; `None` while it is not active, or its source is not tracked.

@@ -20,7 +20,7 @@ fn read(
     Ok(states.get(&(info.action.into_raw(), info.subaction_path)).copied().unwrap_or_default())
 }
 
-/// How far an analog input counts as pressed.
+/// Threshold at which an analog input counts as pressed.
 const PRESSED: f32 = 0.5;
 
 /// `xrGetActionStateBoolean`.

@@ -138,7 +138,7 @@ fn columns(rotation: Quat) -> [[f32; 4]; 3] {
     [x_axis, y_axis, z_axis].map(|column| column.extend(0.0).to_array())
 }
 
-/// How far views may be apart and count as the same: less than a hundredth of a texel at 8192 texels.
+/// Tolerance within which views count as equal: less than a hundredth of a texel at 8192 texels.
 const SAME: f32 = 1e-6;
 
 fn projection(eye: &Eye, space: Pose, flags: xr::CompositionLayerFlags, view: &ProjectionView) -> Params {

@@ -3,7 +3,7 @@
 use crate::fault::{Fault, section};
 use std::collections::VecDeque;
 
-/// Which images the application has.
+/// Images that the application has acquired.
 #[derive(Clone, Debug)]
 pub(crate) struct Ring {
     count: u32,

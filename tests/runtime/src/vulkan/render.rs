@@ -188,15 +188,15 @@ impl<'a> Draws<'a> {
     }
 }
 
-/// Who gets the images of the application.
+/// New owner of the application's images.
 #[derive(Clone, Copy, PartialEq)]
 enum Direction {
     ToUs,
     ToApplication,
 }
 
-/// Brings the application's images into the layout for sampling, and back. Whatever the application did to them comes
-/// before in submission order, and whatever it will do after: both sides name all stages.
+/// Brings the application's images into the layout for sampling, and back. The application's own work on them comes
+/// before in submission order, or after: both sides name all stages.
 fn borrow_images(
     device: &ash::Device,
     commands: vk::CommandBuffer,

@@ -15,7 +15,7 @@ use crate::scene::{Material, Placement, Scene};
 /// Distance between two cameras' uniforms: wgpu's largest required alignment of dynamic offsets.
 const VIEW_STRIDE: u64 = 256;
 
-/// Where a part lies in the shared vertex and index buffers.
+/// Range of a part in the shared vertex and index buffers.
 #[derive(Debug)]
 pub struct PartRange {
     pub material: Material,

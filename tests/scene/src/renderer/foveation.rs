@@ -18,7 +18,7 @@ const KEEP_DEG: f32 = 0.25;
 /// Distance between two cameras' uniforms.
 const STRIDE: u64 = 256;
 
-/// Which share of the texels is shaded where.
+/// Share of the shaded texels over the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Foveation {
     /// By the angle to the gaze.

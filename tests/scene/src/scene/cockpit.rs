@@ -17,7 +17,7 @@ pub const SCENE: Definition = Definition {
     environment: Some(Environment { fog_per_m: 0.004, cloud: 0.5, ..Environment::DAY }),
 };
 
-/// How much of sun and sky reaches the panel.
+/// Share of the light of sun and sky that reaches the panel.
 const SHADE: f32 = 0.16;
 /// The runway repeats after this many metres.
 const PERIOD: f32 = 40.0;

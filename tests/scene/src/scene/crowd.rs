@@ -26,7 +26,7 @@ pub const SCENE: Definition = Definition {
     }),
 };
 
-/// How many walk.
+/// Number of walking people.
 pub const PEOPLE: u32 = 130;
 /// Half the width of the square, where they turn up again on the other side.
 const EDGE: f32 = 14.0;
@@ -34,7 +34,7 @@ const TORSO: usize = 0;
 const HEAD: usize = 1;
 const LIMB: usize = 2;
 
-/// Where a person's feet are, which way they face, and how far into their stride they are, radians.
+/// Position of a person's feet, orientation, and phase of the stride, radians.
 fn walker(index: u32, time: f64) -> (Vec3, Quat, f32) {
     let random = |what| hash(index, what, 91);
     let z = -2.2 - 16.0 * random(0);
@@ -49,7 +49,7 @@ fn walker(index: u32, time: f64) -> (Vec3, Quat, f32) {
     (position, Quat::from_rotation_y(turn), turns(along / 1.4, 1.0))
 }
 
-/// Where a person's face is.
+/// Position of a person's face.
 pub fn face_at(index: u32, time: f64) -> Vec3 {
     walker(index, time).0 + Vec3::Y * (1.6 * tallness(index))
 }

@@ -17,7 +17,7 @@ pub struct Environment {
     pub cloud: f32,
     /// Light from above.
     pub sky_light: [f32; 3],
-    /// How far leaves swing, metres.
+    /// Amplitude of the swing of leaves, metres.
     pub wind: f32,
     /// Light from below.
     pub ground_light: [f32; 3],

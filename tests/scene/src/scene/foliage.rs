@@ -47,7 +47,7 @@ const TREES: [[f32; 3]; 14] = [
 const BUTTERFLY: usize = 0;
 const WING: usize = 1;
 
-/// Where the butterfly is.
+/// Position of the butterfly.
 pub fn butterfly_at(time: f64) -> Vec3 {
     let (sin, cos) = turns(time, 0.05).sin_cos();
     vec3(1.1 * sin, 1.45 + 0.12 * turns(time, 0.23).sin(), -2.4 + 0.5 * cos)

@@ -9,7 +9,7 @@ use super::lights::{self, Light};
 use super::noise::hash;
 use super::{Definition, Material, Part, Placement, mesh::Mesh, turns};
 
-/// Which of the scenes that a seed makes.
+/// Kind of a scene generated from a seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
     /// A room full of things, with lamps of many colours.
@@ -81,7 +81,7 @@ fn extent(kind: Kind, seed: u32) -> Vec3 {
     }
 }
 
-/// Where a thing stands, on the floor.
+/// Position of a thing on the floor, metres.
 fn spot(kind: Kind, seed: u32, index: u32) -> Vec3 {
     let extent = extent(kind, seed);
     let (x, z) = (random(seed, index, 0), random(seed, index, 1));

@@ -38,7 +38,7 @@ const BALL: usize = 0;
 const BLOCK: usize = 1;
 const RING: usize = 2;
 
-/// Where one of the three spheres that circle is.
+/// Position of one of the three circling spheres.
 pub fn ball_at(index: usize, time: f64) -> Vec3 {
     let angle = turns(time, 0.06) + TAU * index as f32 / 3.0;
     let (sin, cos) = angle.sin_cos();
@@ -89,7 +89,7 @@ fn plain_walls() -> Mesh {
     mesh
 }
 
-/// Where `surroundings` in the shader has them: 1.2 x 0.72 m every 2 m.
+/// Ceiling panels at the places that `surroundings` in the shader uses: 1.2 x 0.72 m every 2 m.
 fn panels() -> Mesh {
     let mut mesh = Mesh::default();
     for (x, z) in panel_centres() {

@@ -32,7 +32,7 @@ const LANTERN: usize = 0;
 const PENDULUM: usize = 1;
 const GLOBE: usize = 2;
 
-/// Where the lantern that somebody carries along the far shelves is.
+/// Position of the lantern that is carried along the far shelves.
 pub fn lantern_at(time: f64) -> Vec3 {
     let (sin, cos) = turns(time, 0.06).sin_cos();
     vec3(0.9 * cos, 1.15 + 0.03 * turns(time, 1.8).sin(), -6.5 + 3.2 * sin)

@@ -12,7 +12,7 @@ pub const MAX: u32 = 256;
 pub struct Light {
     /// Metres.
     pub position: Vec3,
-    /// Where its light ends, metres.
+    /// Distance at which its light ends, metres.
     pub range: f32,
     /// Radiant intensity, linear RGB.
     pub colour: Vec3,

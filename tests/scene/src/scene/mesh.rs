@@ -16,7 +16,7 @@ pub struct Vertex {
     pub tangent: [f32; 3],
     /// Texture coordinates; the textures repeat every unit.
     pub uv: [f32; 2],
-    /// How much of sun and sky reaches the surface, 0 (indoors) to 1 (in the open).
+    /// Share of the light of sun and sky that reaches the surface, 0 (indoors) to 1 (in the open).
     pub sky: f32,
 }
 

@@ -29,9 +29,9 @@ pub const SCENE: Definition = Definition {
     }),
 };
 
-/// Where the facades stand.
+/// Distance of the facades from the centre line of the road, metres.
 const FACADE: f32 = 6.5;
-/// Where the kerbs are.
+/// Distance of the kerbs from the centre line of the road, metres.
 const KERB: f32 = 4.0;
 /// Distance between lamp posts.
 const POSTS: f32 = 12.0;
@@ -45,7 +45,7 @@ const CARS: [[f32; 3]; 5] =
 /// The length of road that the cars go round on.
 const LOOP: f32 = 84.0;
 
-/// Where a car is.
+/// Position of a car.
 pub fn car_at(index: usize, time: f64) -> Vec3 {
     let [x, speed, start] = CARS[index % CARS.len()];
     // Away from the visitor by 7 m at least: the loop is behind -7.

@@ -1,6 +1,6 @@
 //! Images with their mip chains.
 
-/// How the bytes of an image are to be understood when it is filtered.
+/// Meaning of the bytes of an image when it is filtered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Colour, sRGB-encoded; alpha linear.

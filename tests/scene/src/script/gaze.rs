@@ -1,4 +1,4 @@
-//! Where the eyes really look: fixations, pursuits, and saccades between them.
+//! True gaze of the eyes: fixations, pursuits, and saccades between them.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use super::DURATION_S;
 use super::head::HeadPath;
 use crate::scene::noise::hash;
 
-/// How far from straight ahead the eyes look at most, degrees: beyond it, people turn their head.
+/// Largest angle of the gaze from the forward direction, degrees: beyond it, people turn their head.
 pub const REACH_DEG: f32 = 26.0;
 /// The same in scripts of glances: as far as eyes turn before a head follows at once, and past the edges of OpenXR Toolkit's ellipses in a view of
 /// 90 degrees, the outer one of "Wide" upwards included (0.80 of 45 degrees in tangents: 38.7).
@@ -18,7 +18,7 @@ const FASTEST_PURSUIT_DEG_S: f32 = 30.0;
 /// Smallest and largest saccade, degrees.
 const AMPLITUDES_DEG: Range<f32> = 2.5..32.0;
 
-/// How often the eyes choose something that moves, where there is such.
+/// Probability that the eyes choose a moving target, if there is one.
 const MOVING_SHARE: f32 = 0.4;
 
 /// Something to look at, in the world, metres.
@@ -31,7 +31,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// Where it is at a time.
+    /// Position at a time.
     pub fn at(&self, t: f64) -> Vec3 {
         match self {
             Self::Still(point) => *point,
@@ -71,7 +71,7 @@ pub struct GazeKey {
     pub yaw_deg: f32,
     /// Upwards, degrees.
     pub pitch_deg: f32,
-    /// Whether the eyes are seen, from here to the next keyframe.
+    /// Whether the eyes are tracked, from here to the next keyframe.
     pub tracked: bool,
 }
 
@@ -97,15 +97,15 @@ impl GazeKey {
 /// One jump of the eyes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saccade {
-    /// When it begins, seconds.
+    /// Start, seconds.
     pub start_s: f64,
-    /// How long it takes, seconds.
+    /// Duration, seconds.
     pub duration_s: f64,
     /// The angle between its ends, degrees in VIEW.
     pub amplitude_deg: f32,
 }
 
-/// How long a saccade of an amplitude takes, seconds: the main sequence, 21 ms + 2.2 ms a degree (Carpenter 1988).
+/// Duration of a saccade of an amplitude, seconds: the main sequence, 21 ms + 2.2 ms a degree (Carpenter 1988).
 pub fn saccade_duration_s(amplitude_deg: f32) -> f64 {
     (21.0 + 2.2 * f64::from(amplitude_deg)) * 1e-3
 }

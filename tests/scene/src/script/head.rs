@@ -1,4 +1,4 @@
-//! How the head moves.
+//! Motion of the head.
 
 use glam::{EulerRot, Quat, Vec3};
 
@@ -21,13 +21,13 @@ pub struct HeadKey {
 }
 
 impl HeadKey {
-    /// How the head is turned: yaw about +y, then pitch about the new +x, then roll about the new +z.
+    /// Orientation of the head: yaw about +y, then pitch about the new +x, then roll about the new +z.
     pub fn orientation(&self) -> Quat {
         let [yaw, pitch, roll] = [self.yaw_deg, self.pitch_deg, self.roll_deg].map(f32::to_radians);
         Quat::from_euler(EulerRot::YXZ, yaw, pitch, roll)
     }
 
-    /// Where the head is in the scene's world, metres.
+    /// Position of the head in the scene's world, metres.
     pub fn world_position(&self) -> Vec3 {
         Vec3::from(self.position) + Vec3::Y * EYE_HEIGHT_M
     }

@@ -12,7 +12,7 @@ use crate::scene::noise::hash;
 pub struct Tracker {
     /// From the eye's movement to the report of it, milliseconds.
     pub delay_ms: f64,
-    /// How far the reports are off, in one direction that the seed gives, degrees.
+    /// Constant error of the reports, in one direction given by the seed, degrees.
     pub bias_deg: f32,
     /// Standard deviation of each report in each of two directions across the gaze, degrees.
     pub noise_deg: f32,
@@ -24,7 +24,7 @@ pub struct Tracker {
     pub seed: u32,
 }
 
-/// How much earlier than the report a keyframe is, seconds: players round times to nanoseconds, and would otherwise miss
+/// Lead of a keyframe before its report, seconds: players round times to nanoseconds, and would otherwise miss
 /// every other report that comes at a frame's own time.
 pub const EARLY_S: f64 = 1e-6;
 

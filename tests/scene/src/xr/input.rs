@@ -93,7 +93,7 @@ impl Input {
     }
 }
 
-/// How a space is turned in another one, if that is tracked.
+/// Orientation of a space in another one; None if it is not tracked.
 fn orientation(space: &xr::Space, base: &xr::Space, time: xr::Time) -> Result<Option<Quat>> {
     let location = space.locate(base, time)?;
     let known = xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::ORIENTATION_TRACKED;

@@ -13,7 +13,7 @@ use crate::renderer::{DEPTH_FORMAT, FoveatedImage, Foveator, Pass, Rect, Rendere
 
 const EYES: usize = 2;
 
-/// Where an eye buffer is.
+/// Position of an eye buffer in the swapchains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Slot {
     swapchain: usize,
@@ -43,7 +43,7 @@ impl Arrangement {
     }
 }
 
-/// Where depth goes.
+/// Depth buffers.
 enum Depth {
     /// Buffers of our own by swapchain and layer.
     Kept(Vec<Vec<wgpu::TextureView>>),

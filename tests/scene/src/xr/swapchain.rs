@@ -8,7 +8,7 @@ use wgpu::hal::{self, api::Vulkan};
 use crate::options::ColourFormat;
 use crate::renderer::DEPTH_FORMAT;
 
-/// Where the quad layer hangs: to the left, over the dark corner.
+/// Pose of the quad layer: to the left, over the dark corner.
 pub const BOARD_POSE: xr::Posef = xr::Posef {
     // 30 degrees to the right about +y, so that it faces the visitor.
     orientation: xr::Quaternionf { x: 0.0, y: 0.258_819_05, z: 0.0, w: 0.965_925_8 },

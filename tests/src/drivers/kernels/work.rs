@@ -23,11 +23,11 @@ const BANDS: usize = 4;
 pub struct Dispatch {
     /// The entry point that is run; `None` if nothing is (copies).
     pub entry: Option<&'static str>,
-    /// How often it is run.
+    /// Number of invocations.
     pub invocations: f64,
     /// Bytes that are read and written, each once.
     pub bytes: f64,
-    /// How often the program's longest loop turns.
+    /// Iterations of the program's longest loop.
     pub turns: f64,
 }
 

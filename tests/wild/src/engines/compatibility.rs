@@ -7,7 +7,7 @@ use crate::step::{Step, Truth::Eye as IsEye, Truth::FullScreen, Truth::Shading};
 use crate::textures::{Texture, draw_all, draw_all_late};
 use parafovea::pass_detection::TransferKind;
 
-/// Where the picture of an eye is copied to.
+/// Copies or blits the eye's image to its place in the swapchain.
 fn submit(frame: &mut Frame<'_>, view: usize, from: Image) {
     let swapchain = frame.swapchain(view);
     let (x, rect) = match frame.arrangement {

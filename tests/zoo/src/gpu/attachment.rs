@@ -4,7 +4,7 @@ use super::Image;
 use super::image::is_depth;
 use ash::vk;
 
-/// How a pass takes an image and leaves it.
+/// An image with its load and store operations and its layouts before and after a pass.
 #[derive(Clone, Copy)]
 pub struct Attachment {
     pub image: Image,

@@ -27,7 +27,7 @@ impl Buffer {
 }
 
 impl Gpu {
-    /// Where a buffer is, on a device that was asked for addresses.
+    /// Device address of a buffer, on a device with that feature enabled.
     pub fn address(&self, buffer: &Buffer) -> vk::DeviceAddress {
         let info = vk::BufferDeviceAddressInfo::default().buffer(buffer.handle);
         // SAFETY: the buffer is live and was made for it; the style's needs hold Vulkan 1.2 and the feature.

@@ -73,7 +73,7 @@ impl ImageSpec {
 }
 
 impl Image {
-    /// Which part of an image a view sees.
+    /// Subresource range of the view.
     pub fn range(&self) -> vk::ImageSubresourceRange {
         vk::ImageSubresourceRange {
             aspect_mask: aspect(self.format),

@@ -11,7 +11,7 @@ use crate::truth::PassSeen;
 use anyhow::Result;
 use ash::vk;
 
-/// How a pass is told to Vulkan.
+/// Kind of a pass: render pass and framebuffer, imageless framebuffer, or dynamic rendering.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     RenderPass,

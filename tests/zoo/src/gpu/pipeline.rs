@@ -28,7 +28,7 @@ macro_rules! shader {
     };
 }
 
-/// How depth is tested and written.
+/// Depth test and depth write of a pipeline.
 #[derive(Clone, Copy)]
 pub struct Depth {
     pub test: Option<vk::CompareOp>,
@@ -42,7 +42,7 @@ impl Depth {
     pub const LAST: Self = Self { test: Some(vk::CompareOp::LESS_OR_EQUAL), write: false };
 }
 
-/// How a pipeline is made.
+/// Method of creating a pipeline.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Making {
     /// All at once.

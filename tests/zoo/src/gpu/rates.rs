@@ -30,9 +30,9 @@ pub struct Rates {
     /// Whether a layer of the rate image serves each view.
     is_layered: bool,
     buffer: Buffer,
-    /// Where the map of a pass of a frame begins, and how many tiles and layers it has.
+    /// Offset of the map of each pass of a frame, and its numbers of tiles and layers.
     places: HashMap<(u64, usize), Place>,
-    /// Where as many zeros begin as the largest image could need.
+    /// Offset of the zeros, enough for the largest image.
     zeros: vk::DeviceSize,
 }
 

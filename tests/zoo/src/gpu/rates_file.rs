@@ -19,7 +19,7 @@ pub struct RatesFile {
 pub struct Map {
     /// Columns, rows and layers.
     pub tiles: [u32; 3],
-    /// As many texels.
+    /// Texels, as many as tiles.
     pub texels: Vec<u8>,
 }
 

@@ -37,7 +37,7 @@ pub struct Uniforms {
     animation: Vec4,
 }
 
-/// How views become clip space.
+/// Conversion of views to clip space.
 #[derive(Clone, Copy, Default)]
 pub struct Projection {
     /// The far plane at depth 0, the near plane at 1.

@@ -6,13 +6,13 @@ use openxr as xr;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
-/// Who waits for frames.
+/// The `xrWaitFrame` caller: the rendering thread, or one of its own.
 pub enum Waiter {
     Here(xr::FrameWaiter),
     Apart(Apart),
 }
 
-/// The thread that waits, and how it is asked.
+/// The waiting thread, and the channels to it.
 pub struct Apart {
     /// None once it is to end.
     ask: Option<SyncSender<()>>,

@@ -1,4 +1,4 @@
-//! How much of each style is run.
+//! Number of frames and image size of each style's run.
 
 use parafovea_tests::scenario::{Head, Scenario, ScenarioExt};
 use std::path::Path;
@@ -18,7 +18,7 @@ impl Effort {
         if is_full() { Self { frames: 120, size: 256 } } else { Self { frames, size } }
     }
 
-    /// The scenario of a run whose gaze rests straight ahead.
+    /// The scenario of a run whose gaze rests at the centre of the view.
     pub fn scenario(self) -> Scenario {
         Scenario::new(self.frames).sized(self.size, self.size)
     }

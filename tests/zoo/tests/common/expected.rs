@@ -11,7 +11,7 @@ pub enum Expected {
     Engaged,
     /// They have none, because.
     Refused(String),
-    /// Where the table was made no device can run it.
+    /// No device of the machine that made the table can run it.
     NotRun,
 }
 
@@ -33,7 +33,7 @@ pub fn expected() -> Vec<(&'static Style, Result<Expected, String>)> {
     STYLES.iter().copied().map(of_style).collect()
 }
 
-/// How the table's first row begins.
+/// Beginning of the table's first row.
 const HEADER: &str = "| style | rate attachment |";
 
 /// The number of the column of masks.

@@ -13,10 +13,10 @@ const STEP: u64 = 84;
 /// Frames after the step.
 const AFTER: u64 = 15;
 
-/// Where the eyes rest, and where they step: degrees to the left and upwards.
+/// Gaze directions before and after the step: degrees to the left and upwards.
 const GAZES: [[f32; 2]; 2] = [[-18.0, 3.0], [18.0, -3.0]];
 
-/// How long the eyes take, frames: 0.1 s.
+/// Duration of the eye movement, frames: 0.1 s.
 const FLIGHT: f64 = 9.0;
 
 /// The new place, degrees around the gaze.

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// How long a message is waited for.
+/// Longest wait for a message.
 const MOMENT: Duration = Duration::from_millis(50);
 
 /// Room for messages; grows for one that needs more.
@@ -158,7 +158,7 @@ impl Connection {
         Err(Fault::Silent)
     }
 
-    /// Where in `room` the next whole message is, which counts as handed out; reads once, if it is not there yet.
+    /// Range in `room` of the next whole message, which counts as handed out; reads once, if it is not there yet.
     fn fill(&mut self) -> Result<Option<std::ops::Range<usize>>, Fault> {
         if let Some(message) = self.next_message()? {
             return Ok(Some(message));

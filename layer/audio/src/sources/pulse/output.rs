@@ -12,11 +12,11 @@ use pulseaudio::protocol::{
 };
 use std::fmt;
 
-/// How much sound comes at a time, milliseconds. The output gets to know it too: a smaller one would wake the whole
+/// Length of the sound that comes at a time, milliseconds. The output gets to know it too: a smaller one would wake the whole
 /// system more often.
 const FRAGMENT_MS: u64 = 40;
 
-/// How much the server keeps for us when we are late, milliseconds.
+/// Length of the sound that the server keeps for us when we are late, milliseconds.
 const KEPT_MS: u64 = 250;
 
 /// The monitor of an output.

@@ -1,4 +1,4 @@
-//! Where the server of this user is (PulseAudio's `pulse-client.conf(5)` and its `client.conf`, as far as variables go).
+//! Location of this user's server (PulseAudio's `pulse-client.conf(5)` and its `client.conf`, as far as variables go).
 
 use std::env::var_os;
 use std::ffi::OsString;
@@ -9,7 +9,7 @@ pub fn socket() -> Option<PathBuf> {
     find_socket(|name| var_os(name))
 }
 
-/// Length of a cookie, bytes; a server does not talk to who sends another one.
+/// Length of a cookie, bytes; a server does not talk to a client that sends another one.
 const COOKIE_BYTES: usize = 256;
 
 /// The cookie that lets this user in where the kernel's credentials are not enough: in containers. Zeros without a cookie.

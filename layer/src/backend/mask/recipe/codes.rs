@@ -16,7 +16,7 @@ pub type Code = Arc<Kept>;
 /// Words of SPIR-V.
 pub struct Kept {
     words: Box<[u32]>,
-    /// How many bytes are kept, these among them.
+    /// Number of bytes that are kept, including these.
     bytes: Arc<AtomicUsize>,
 }
 

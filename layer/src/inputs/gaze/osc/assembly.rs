@@ -8,12 +8,12 @@ use crate::inputs::gaze::direction;
 use glam::Vec3;
 use std::net::SocketAddr;
 
-/// After how long without a word another sender, or another format, holds: as long as a gaze is held in a blink
+/// Time without a message after which another sender, or another format, holds: as long as a gaze is held in a blink
 /// (`gaze.hold_ms`).
 const HOLD_NS: i64 = 500_000_000;
 
-/// For how long it is known that an eye is closed, without another word. Senders of changes alone say nothing while eyes stay
-/// closed; one that ends says nothing either. While they are closed nobody sees what a wrong gaze does.
+/// Time for which an eye counts as closed without another message. Senders of changes alone are silent while eyes stay closed, and
+/// so is one that has ended. While the eyes are closed a wrong gaze has no visible effect.
 const CLOSED_NS: i64 = 1_000_000_000;
 
 /// Openness below which an eye counts as closed: less shows no pupil. Senders fit 0 to the closed eye, and noise stays below this.
@@ -22,7 +22,7 @@ const CLOSED: f32 = 0.2;
 /// A time tag that is earlier than the one before by less than this, in 2^-32 s, came late; by more, the sender's clock was set.
 const LATE: u64 = 1 << 32;
 
-/// Over how long a rate is measured.
+/// Period over which a rate is measured, nanoseconds.
 const RATE_NS: i64 = 1_000_000_000;
 
 /// Packets since the listener began, by kind.
@@ -45,13 +45,13 @@ pub struct OscCounts {
 /// The gaze at some time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OscLook {
-    /// Where the eyes look, a unit vector in the space of the head; `None` while they are closed or not tracked.
+    /// Direction of the gaze, a unit vector in the space of the head; `None` while the eyes are closed or not tracked.
     pub direction: Option<Vec3>,
     /// Rises with each new direction; 0: there was none yet.
     pub serial: u64,
     /// When the newest direction came.
     pub heard_ns: i64,
-    /// Whose addresses it had.
+    /// Format of the addresses of its messages.
     pub format: Option<Format>,
     /// Directions a second, Hz; 0: not known.
     pub rate_hz: f32,
@@ -77,10 +77,10 @@ struct Sender {
     /// The newest time tag.
     sent: Option<u64>,
     format: Option<(Format, i64)>,
-    /// Where each eye looks, by the format that holds.
+    /// State of each eye, by the format that holds.
     eyes: [Eye; 2],
     is_tracked: bool,
-    /// Which values of [`Sender::eyes`] came since the last new direction began.
+    /// Values of [`Sender::eyes`] that came since the last new direction began, as bits.
     fresh: u8,
 }
 
@@ -260,7 +260,7 @@ impl Sender {
         if is_new { Taken::New } else { Taken::Part }
     }
 
-    /// Where the eyes look: in the middle between both, where both are open. Senders swap the eyes' sides at times, which changes
+    /// Direction of the gaze: in the middle between both eyes, if both are open. Senders swap the eyes' sides at times, which changes
     /// nothing then.
     fn direction(&self, now_ns: i64) -> Option<Vec3> {
         let open = |eye: &Eye| {
@@ -273,7 +273,7 @@ impl Sender {
     }
 }
 
-/// How often something happens.
+/// Frequency of an event.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rate {
     /// When the count began, and the count.

@@ -1,8 +1,8 @@
-//! How much is done in a time, whatever arrives.
+//! Limit of the work in an interval of time, for any number of packets.
 
 use std::time::Duration;
 
-/// Length of an interval, nanoseconds: a late frame or two, for whoever sends too much.
+/// Length of an interval, nanoseconds: a late frame or two, for a sender of too much.
 const INTERVAL_NS: i64 = 20_000_000;
 
 /// Packets that are decoded in an interval: 6400 a second. An eye tracker of 240 Hz, with a packet for each of six values, sends 1440.
@@ -21,8 +21,8 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A packet came at `now_ns`, and was decoded or only looked at; for how long nothing more is to be read, where the interval
-    /// has had its share.
+    /// Counts a packet that came at `now_ns`, and was decoded or only looked at. Returns the time for which nothing more is to be
+    /// read, if the interval has had its share.
     pub fn spend(&mut self, is_decoded: bool, now_ns: i64) -> Option<Duration> {
         let passed_ns = now_ns.saturating_sub(self.begun_ns);
         if !(0..INTERVAL_NS).contains(&passed_ns) {

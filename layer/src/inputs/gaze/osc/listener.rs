@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{JoinHandle, sleep};
 use std::time::{Duration, Instant};
 
-/// How long a packet is waited for before the thread looks whether it is to end: the packet that wakes it may be lost.
+/// Longest wait for a packet before the thread checks whether it is to end: the packet that wakes it may be lost.
 const PATIENCE: Duration = Duration::from_millis(250);
 
 /// Packets that are thrown away unread after a flood: more than a socket's default buffer holds.
@@ -21,7 +21,7 @@ const MOST_DROPPED: u32 = 1024;
 pub struct Listener {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    /// Where the thread is woken.
+    /// Address at which the thread is woken.
     wake: SocketAddr,
     begun: Instant,
 }
@@ -39,7 +39,7 @@ struct Shared {
 pub struct NewestGaze {
     /// The gaze.
     pub look: OscLook,
-    /// How long ago something was said about the eyes; `None`: never.
+    /// Time since the newest direction came; `None`: there was none yet.
     pub age: Option<Duration>,
 }
 

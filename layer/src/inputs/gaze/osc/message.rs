@@ -15,7 +15,7 @@ const FARTHEST_DEG: f32 = 90.0;
 /// Greatest value of a deflection: senders exceed 1, the end of their scale, by a little (VRCFaceTracking, "Eye Gaze Parameters").
 const GREATEST_DEFLECTION: f32 = 1.5;
 
-/// Whose addresses a message has.
+/// Format of a message's address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Format {
     /// Baballonia's own addresses.
@@ -37,7 +37,7 @@ impl Format {
     }
 }
 
-/// Which eyes a value is of.
+/// Eye or eyes of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eyes {
     /// The left one.
@@ -59,7 +59,7 @@ impl Eyes {
     }
 }
 
-/// Which way an eye is turned.
+/// Direction in which an eye is turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// To the right.
@@ -71,22 +71,22 @@ pub enum Axis {
 /// A statement about the eyes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EyeValue {
-    /// Where the left and the right eye look: unit vectors in the space of the head (-z is the centre of the view).
+    /// Gaze directions of the left and the right eye: unit vectors in the space of the head (-z is the centre of the view).
     Directions([Vec3; 2]),
-    /// How far eyes are turned, in parts of `gaze.osc_scale_deg`: -1.5..=1.5.
+    /// Deflection of eyes, in parts of `gaze.osc_scale_deg`: -1.5..=1.5.
     Deflection {
-        /// Which eyes.
+        /// The eyes.
         eyes: Eyes,
-        /// Which way.
+        /// Direction of the deflection.
         axis: Axis,
-        /// How far.
+        /// Size of the deflection.
         share: f32,
     },
-    /// How open eyes are: 0 closed, 1 open; finite, and beyond both ends with some senders.
+    /// Openness of eyes: 0 closed, 1 open; finite, and beyond both ends with some senders.
     Openness {
-        /// Which eyes.
+        /// The eyes.
         eyes: Eyes,
-        /// How open.
+        /// Their openness.
         share: f32,
     },
     /// Whether the sender tracks the eyes.
@@ -96,7 +96,7 @@ pub enum EyeValue {
 /// A message about the eyes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EyeMessage {
-    /// Whose addresses it has.
+    /// Format of its address.
     pub format: Format,
     /// Its statement.
     pub value: EyeValue,

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// held.
 const ENDED: Duration = Duration::from_secs(1);
 
-/// How long a port that is taken is left alone: whoever has it may end.
+/// Time after which a port that was taken is tried again: the process that has it may end.
 const RETRY: Duration = Duration::from_secs(5);
 
 /// Packets as a source of the gaze.
@@ -32,7 +32,7 @@ pub struct OscSource {
 /// Its status: no direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OscStatus {
-    /// Where it receives, or was to; `None`: it was not to.
+    /// Address at which it receives, or should; `None` if it should not.
     pub address: Option<SocketAddr>,
     /// Why it does not.
     pub failure: Option<ErrorKind>,
@@ -45,8 +45,8 @@ pub struct OscStatus {
 }
 
 impl OscSource {
-    /// Takes where to listen, or nowhere; whether that calls for a listener to be begun, by [`Listener::begin`] and
-    /// [`OscSource::opened`]. What is returned is to be dropped, for which it may wait.
+    /// Takes the address to listen at, if any. Returns whether a listener is to be begun, by [`Listener::begin`] and
+    /// [`OscSource::opened`], and a listener to drop, which may wait.
     pub fn want(
         &mut self,
         wanted: Option<SocketAddr>,
@@ -96,7 +96,7 @@ impl OscSource {
         self.listener.is_some()
     }
 
-    /// Where the eyes look, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
+    /// The gaze for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
     pub fn look(&mut self, time_ns: i64, latency_ns: i64) -> Look {
         match self.newest() {
             Some(heard) => heard.look(&mut self.times, time_ns, latency_ns),
@@ -142,7 +142,7 @@ impl NewestGaze {
         self.age.is_some_and(|age| age < ENDED)
     }
 
-    /// Where the eyes look by it, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
+    /// The gaze by this state, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
     pub fn look(self, times: &mut SampleTimes, time_ns: i64, latency_ns: i64) -> Look {
         let Some(age) = self.age.filter(|age| *age < ENDED) else { return Look::NoTracker };
         let sampled_ns = times.of(self.look.serial, age.as_nanos() as i64, time_ns, latency_ns);

@@ -3,7 +3,7 @@
 use crate::pass_detection::{ImageDescription, Target};
 use ash::vk;
 
-/// Where a region is read and written.
+/// Source and destination of a region.
 pub struct Ends {
     pub from: End,
     pub to: End,

@@ -149,7 +149,7 @@ fn calls_are_followed() {
     assert_eq!(cases(&module(FLAG, main, helper)), [false, false, true, true]);
 }
 
-/// What is not followed may be anything.
+/// Anything that is not followed counts as a discard.
 #[test]
 fn whatever_is_not_understood_discards() {
     assert_eq!(cases(&tested(FLAG, UNKNOWN)), [true; 4], "another condition");

@@ -42,7 +42,7 @@ fn a_second_launch_knows_what_the_first_has_seen() {
     assert_eq!(names, ["shaders"], "nothing else is left");
 }
 
-/// Wherever a file is cut, and whatever byte of it is another one.
+/// Files cut at any byte, and files with any one byte changed.
 #[test]
 fn a_damaged_file_has_nothing() {
     let mut facts = Facts::default();

@@ -9,9 +9,9 @@ use parafovea_core::reuse::{ComparedTiles, Picture, Reuse, TileLists};
 /// The tiles of the newest picture of an eye, by their treatment.
 #[derive(Debug, Default)]
 pub(super) struct EyeLists {
-    /// By where they are taken from; empty where the picture is whole.
+    /// Tiles by their source; empty if the picture is whole.
     pub(super) lists: TileLists,
-    /// Those that are compared with earlier pictures.
+    /// Tiles that are compared with earlier pictures.
     pub(super) compared: ComparedTiles,
 }
 

@@ -45,7 +45,7 @@ fn of_two() -> History {
     history
 }
 
-/// How many earlier pictures there are for the newest.
+/// Number of earlier pictures for the newest.
 fn ages(history: &History) -> usize {
     history.region(0, Completing::PAPER).unwrap().reuse.ages()
 }

@@ -17,7 +17,7 @@ fn pose([left, up]: [f32; 2], position: Vec3) -> xr::Posef {
     }
 }
 
-/// Where the layer is in the space of the gaze: beside its ray, turned against it.
+/// Pose of the layer in the space of the gaze: beside its ray, turned against it.
 fn in_gaze() -> xr::Posef {
     pose([10.0, 3.0], Vec3::new(0.2, -0.1, -2.0))
 }

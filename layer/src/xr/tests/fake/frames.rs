@@ -10,19 +10,19 @@ use std::mem::transmute;
 thread_local! {
     /// The next frame's display time.
     pub static DISPLAY_TIME: Cell<i64> = const { Cell::new(1_000_000_000) };
-    /// How the head is turned in every space but its own.
+    /// Orientation of the head in every space but its own.
     pub static HEAD: Cell<Quat> = const { Cell::new(Quat::IDENTITY) };
-    /// How the views are turned in the head.
+    /// Orientation of the views in the space of the head.
     pub static VIEWS: Cell<Quat> = const { Cell::new(Quat::IDENTITY) };
-    /// How often the head was located.
+    /// Number of times that the head was located.
     pub static HEAD_LOCATED: Cell<usize> = const { Cell::new(0) };
-    /// How the eyes are turned in the head; not tracked without.
+    /// Orientation of the eyes in the space of the head; `None` if they are not tracked.
     pub static EYES: Cell<Option<Quat>> = const { Cell::new(None) };
-    /// How old the gaze is that is located; none where it has no time.
+    /// Age of the located gaze, nanoseconds; `None` if it has no time.
     pub static SAMPLE_AGE_NS: Cell<Option<i64>> = const { Cell::new(None) };
     /// Runs inside xrLocateSpace.
     pub static IN_LOCATE: RefCell<Option<Box<dyn FnMut()>>> = const { RefCell::new(None) };
-    /// How often the gaze was located.
+    /// Number of times that the gaze was located.
     pub static GAZE_LOCATED: Cell<usize> = const { Cell::new(0) };
     /// Calls of action functions, in order.
     pub static ACTIONS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };

@@ -25,7 +25,7 @@ pub enum Told {
 }
 
 thread_local! {
-    /// How many passes of a frame are recognised.
+    /// Number of recognised passes in a frame.
     pub static PASSES: Cell<u32> = const { Cell::new(0) };
     /// Whether a GPU renders, and its time for a frame, nanoseconds: without rates and with them.
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };

@@ -151,7 +151,7 @@ fn a_tracker_that_has_stopped_is_noticed_when_the_head_turns() {
     assert!(coarsest < Some(ShadingRate::R4X4.texel()), "{coarsest:?}");
 }
 
-/// How wide and how high the region at full rate is where the eyes look ahead, tiles, after frames with these views.
+/// Width and height of the region at full rate, tiles, for a gaze at yaw 0, after frames with these views.
 fn full(application: &Application, views: &[xr::CompositionLayerProjectionView]) -> [usize; 2] {
     let frames = |count: u32, yaw_deg: f32| {
         look(yaw_deg);

@@ -213,7 +213,7 @@ pub fn tells_eyes_from_hands(app: &App) -> Outcome {
     session.finish()
 }
 
-/// What the system says of eye gaze.
+/// Whether the system supports eye gaze, by its properties.
 fn has_eye_gaze(app: &App) -> Result<bool, Failure> {
     let mut gaze = xr::SystemEyeGazeInteractionPropertiesEXT::out(null_mut());
     let mut properties = xr::SystemProperties::out(gaze.as_mut_ptr().cast());

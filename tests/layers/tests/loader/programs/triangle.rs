@@ -14,7 +14,7 @@ pub const SHADERS: &str = "
 /// Settings of the program.
 pub struct Drawing {
     pub asks: Asks,
-    /// How often the same command buffer is submitted.
+    /// Number of submits of the same command buffer.
     pub submits: u32,
     /// Whether the program counts by itself.
     pub own_query: bool,

@@ -37,19 +37,19 @@ pub fn parts() -> Vec<Part> {
     .into()
 }
 
-/// Where the cart is.
+/// Position of the cart.
 pub fn cart_at(time: f64) -> Vec3 {
     vec3(2.5, 0.0, -8.0 + 5.0 * turns(time, 0.05).cos())
 }
 
-/// Where one of the five spheres is, and how far it has gone round, radians.
+/// Position of one of the five spheres, and its angle on the circle, radians.
 pub fn ball_at(index: usize, time: f64) -> (Vec3, f32) {
     let angle = turns(time, 0.1) + TAU * index as f32 / 5.0;
     let (sin, cos) = angle.sin_cos();
     (vec3(-0.6 + 1.1 * cos, 1.5 + 0.3 * (2.0 * angle).sin(), -7.0 + 1.1 * sin), angle)
 }
 
-/// Where the moving things are; `first` is the index of this module's first part.
+/// Placements of the moving things; `first` is the index of this module's first part.
 pub fn placements(first: usize, time: f64, lights: &[Light]) -> Vec<Placement> {
     let mut placed = Vec::new();
     let mut place = |part, rotation, position, emission| {

@@ -6,7 +6,7 @@ use super::super::noise::{hash, value};
 use super::super::texture::{Encoding, Texture};
 use super::{SIDE, mix};
 
-/// How far inside a leaf between two points a point is: 0 on its edge, 1 on its middle line, negative outside.
+/// Depth of a point within a leaf between two points: 0 on its edge, 1 on its middle line, negative outside.
 fn inside(point: Vec2, [base, tip]: [Vec2; 2], width: f32) -> f32 {
     let along = tip - base;
     let t = (point - base).dot(along) / along.length_squared();

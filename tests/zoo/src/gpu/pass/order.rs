@@ -2,14 +2,14 @@
 
 use ash::vk;
 
-/// All that comes before waits for targets, textures and copies; all that comes after may read them.
+/// Stages of work on targets, textures and copies, before and after a pass.
 const OUTSIDE: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
     TARGETS.as_raw()
         | vk::PipelineStageFlags::FRAGMENT_SHADER.as_raw()
         | vk::PipelineStageFlags::TRANSFER.as_raw(),
 );
 
-/// Where attachments are read and written.
+/// Stages that read and write attachments.
 pub const TARGETS: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
     vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT.as_raw()
         | vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS.as_raw()

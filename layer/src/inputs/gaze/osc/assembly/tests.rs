@@ -190,7 +190,7 @@ fn message() -> impl Strategy<Value = EyeMessage> {
 }
 
 proptest! {
-    /// Whatever senders say, in whatever order and at whatever times: a direction or none, and every packet is counted.
+    /// Any messages of any senders, in any order and at any times, give a direction or none, and every packet is counted.
     #[test]
     fn any_words_of_any_senders_give_a_direction_or_none(
         packets in prop::collection::vec(

@@ -65,7 +65,7 @@ fn distractors() {
     app.expect("scene", &looks(Eyes::Finer));
 }
 
-/// Where the scene is drawn directly into the swapchain, a reflection of the same size is none.
+/// A reflection of the same size is not the scene if the scene is drawn directly into the swapchain.
 #[test]
 fn a_reflection_beside_a_scene_drawn_straight() {
     let mut app = Application::default();

@@ -11,7 +11,7 @@ const FOV: Fov = Fov { left: -0.8, right: 0.8, up: 0.5, down: -0.5 };
 /// The application draws to so many images in turn.
 const IMAGES: u64 = 4;
 
-/// How the head of frame `number` is turned.
+/// View of frame `number`, of a head that turns by 0.02 radians a frame.
 fn view(number: u64) -> planner::View {
     planner::View {
         orientation: Quat::from_rotation_y(number as f32 * 0.02),

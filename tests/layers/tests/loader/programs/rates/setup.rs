@@ -155,7 +155,7 @@ impl Setup {
         [layers, if self.layered { layers } else { 1 }]
     }
 
-    /// How many texels the rate image needs, in each direction.
+    /// Size of the rate image in texels, in each direction.
     pub fn texels(&self) -> [u32; 2] {
         SIZE.map(|side| side.div_ceil(self.texel))
     }
