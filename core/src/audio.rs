@@ -2,9 +2,9 @@
 //!
 //! A [`FeatureExtractor`] takes the samples as they come and answers every [`INTERVAL_S`] with [`AudioFeatures`] of
 //! the last seconds. Inside, a hop of 100 ms leaves behind one energy (K-weighted, [`Loudness`]) and one energy for
-//! each mel band ([`mel`], from the power spectra that [`spectrum`] adds up); both features are computed anew from
-//! what the hops within the window left, so nothing is summed up over a session and nothing drifts. [`Continuity`] and
-//! [`AudioFeatures::relied_on`] say how much of that a plan may take.
+//! each mel band ([`mel`], from the power spectra that [`spectrum`] adds up); both features are computed again from the
+//! energies of the hops within the window, so that no sum runs over a session and no error accumulates. [`Continuity`]
+//! and [`AudioFeatures::relied_on`] limit the part of the features that a plan may use.
 //!
 //! # Channels
 //! Interleaved, in the order of WAVE_FORMAT_EXTENSIBLE; weights of BS.1770-4, Table 4, for loudness and spectrum alike:
@@ -53,8 +53,8 @@ pub enum Mode {
 pub struct AudioSettings {
     /// `audio.mode`.
     pub mode: Mode,
-    /// `audio.window_s`: T_a of paper A's Algorithm 1, seconds, 0.4..=120, rounded to 100 ms. The paper does not say
-    /// how long; BS.1770-4 needs 400 ms, short-term loudness has 3 s.
+    /// `audio.window_s`: T_a of paper A's Algorithm 1, seconds, 0.4..=120, rounded to 100 ms. The paper gives no
+    /// length; BS.1770-4 needs 400 ms, short-term loudness has 3 s.
     pub window_s: f32,
     /// `audio.least_lufs`: ITU_min of Eq. 1, LUFS, -70..=0. BS.1770-4 has none but its gate at -70, which would leave
     /// the scale of the paper's scores; -35 is where its study begins.

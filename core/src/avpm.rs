@@ -1,7 +1,7 @@
 //! The audio-visual perception model: the quality of foveated rendering as a function of sound, and the loss of contrast
-//! sound therefore pays for (paper A, "Audio-visual aware Foveated Rendering", Eq. 12-17).
+//! that sound therefore allows (paper A, "Audio-visual aware Foveated Rendering", Eq. 12-17).
 //!
-//! [`Coefficients::alpha`] is the budget that [`crate::frco`] spends tile by tile; [`Budget`] says what happens in silence.
+//! [`Coefficients::alpha`] is the budget that [`crate::frco`] spends tile by tile; [`SilenceRule`] covers silence.
 
 mod budget;
 
@@ -14,7 +14,7 @@ pub const GAMMA_LD: [f32; 2] = [0.0, 25.0];
 /// Divisor of gamma_vis before its weight (Eq. 12), to bring all features to one scale.
 pub const VISUAL_LOSS_SCALE: f32 = 10_000.0;
 
-/// a, b, c and d of Eq. 12: what each feature adds to the score. All are >= 0 (Eq. 13).
+/// a, b, c and d of Eq. 12: the contribution of each feature to the score. All are >= 0 (Eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficients {
     /// Score for each loudness unit of gamma_ld.
@@ -49,11 +49,11 @@ impl Coefficients {
         self.a * gamma_ld + self.b / gamma_fq_kilomel - self.c * gamma_vis / VISUAL_LOSS_SCALE + self.d
     }
 
-    /// alpha of Eq. 17 with E_0 = d, as the paper has it: the visual loss that sound pays for, in Tursun's units.
+    /// alpha of Eq. 17 with E_0 = d, as the paper has it: the visual loss that sound allows, in Tursun's units.
     ///
     /// Features beyond what the paper studied, [`GAMMA_LD`] and [`LEAST_KILOMEL`]`..=`[`GREATEST_KILOMEL`], count as its
-    /// end. 0 where gamma_fq is not above 0, which no sound has, and where a feature or coefficient is NaN or infinite. 0
-    /// too where c is not above 0: a study in which visual loss cost nothing says nothing about how much of it is free.
+    /// end. 0 if gamma_fq is not above 0, which no sound has, or if a feature or coefficient is NaN or infinite. 0 too if
+    /// c is not above 0: a study in which visual loss cost nothing gives no limit for it.
     pub fn alpha(&self, gamma_ld: f32, gamma_fq_kilomel: f32) -> f32 {
         self.alpha_above(self.d, gamma_ld, gamma_fq_kilomel)
     }

@@ -1,9 +1,9 @@
 //! Chroma attenuation with eccentricity, after "Perceptually Calibrated Foveated Chroma Attenuation for
 //! Gaze-Contingent VR Displays" (paper C below). Works on linear light, where it keeps luminance exactly.
 //!
-//! [`Curves`] say how much of each chroma channel is kept at an eccentricity, as [`Polynomials`] where that is asked for
-//! each pixel, [`attenuate()`] applies that to a colour, and [`ChromaTemporalFilter`] lets the gains of a place fall slowly once the gaze
-//! has left it.
+//! [`Curves`] give the gain of each chroma channel at an eccentricity, [`Polynomials`] approximate them for use per pixel,
+//! [`attenuate()`] applies the gains to a colour, and [`ChromaTemporalFilter`] lets the gains of a place fall slowly once the gaze has
+//! left it.
 //!
 //! It saves bits of an encoder and power of a display, never GPU time.
 
@@ -42,14 +42,13 @@ pub struct ChromaSettings {
     pub cr_bound: f32,
     /// `chroma.plateau_deg`: eccentricity up to which nothing changes, degrees, 1.1..=30.
     pub plateau_deg: f32,
-    /// `chroma.max_eccentricity_deg`: eccentricity at which the curves end, degrees, 20..=110. The paper
-    /// does not say what it divides eccentricity by.
+    /// `chroma.max_eccentricity_deg`: eccentricity at which the curves end, degrees, 20..=110. The paper does not state
+    /// its divisor of eccentricity.
     pub max_eccentricity_deg: f32,
     /// `chroma.rim_fade`: least part of the way from the plateau to that angle over which colour may fall from full
     /// to none, 0.25..=1.
     pub rim_fade: f32,
-    /// `chroma.max_change_per_s`: by how much a gain may fall in a second, 0.1..=100 (of 1, the full gain).
-    /// Rising is not limited.
+    /// `chroma.max_change_per_s`: greatest fall of a gain in a second, 0.1..=100 (of 1, the full gain). Rising is not limited.
     pub max_change_per_s: f32,
     /// `chroma.matrix`. The paper does not name one.
     pub matrix: Matrix,

@@ -15,8 +15,8 @@ pub struct FixedFoveation {
     pub foveal_deg: f32,
     /// E_t, eccentricity from which on the peripheral rate holds, degrees, 0..=180. Up to E_f means a step at E_f.
     pub transitional_deg: f32,
-    /// The coarsest rate. The paper says "the lowest" of variable rate shading, 4x4; with 2x2 its own figures of
-    /// speed fit better, so any claim against this baseline has to state it.
+    /// The coarsest rate. In the paper "the lowest" of variable rate shading, 4x4; with 2x2 its own figures of speed
+    /// fit better, so any claim against this baseline has to state it.
     pub peripheral: ShadingRate,
 }
 
@@ -81,7 +81,7 @@ impl FixedFoveation {
 
     /// The area rate at an eccentricity in degrees, 1/16..=1, not rising with it.
     ///
-    /// 1 where eccentricity or a radius is NaN: what cannot be placed is treated as looked at.
+    /// 1 if eccentricity or a radius is NaN: an unknown position is treated as at the gaze.
     #[inline]
     pub fn rate_at(&self, eccentricity_deg: f32) -> f32 {
         if eccentricity_deg.is_nan() || self.foveal_deg.is_nan() || self.transitional_deg.is_nan() {

@@ -1,9 +1,9 @@
 //! Foveated rendering cost optimisation: the coarsest shading rate whose loss the budget covers (paper A, section 4.2,
 //! "Audio-visual aware Foveated Rendering").
 //!
-//! A block of n pixels a side is taken to remove log2(n) octaves of spatial frequency, finest first. What is lost
-//! is the sensitivity in the removed bands. Eq. 19 as printed compares it with the wrong sign, and then coarsens
-//! where most would be seen; here the loss must not exceed alpha, which is what Eq. 18, from which it is derived, says.
+//! A block of n pixels a side is taken to remove log2(n) octaves of spatial frequency, finest first. The loss is the
+//! sensitivity in the removed bands. Eq. 19 as printed compares it with the wrong sign, and then coarsens where the
+//! loss is most visible; here the loss must not exceed alpha, as in Eq. 18, from which Eq. 19 is derived.
 
 mod visual_loss;
 

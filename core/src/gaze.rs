@@ -125,8 +125,8 @@ impl GazeState {
         }
     }
 
-    /// As [`Self::with_vergence`], where all that is known is that nothing is nearer than `nearest_m`: the rings around both
-    /// directions then hold whatever is farther away, too.
+    /// As [`Self::with_vergence`], if only the least distance of the content is known, `nearest_m`: the rings around both
+    /// directions then hold for farther content, too.
     pub fn with_nearest(self, eyes_m: [Vec3; 2], nearest_m: f32) -> Self {
         let verged = self.verged(eyes_m, nearest_m);
         let ray = (verged.directions != self.directions).then_some(self.directions[0]);

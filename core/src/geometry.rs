@@ -1,7 +1,6 @@
-//! View geometry: where a pixel looks, how far that is from the gaze, how fine the image is there, and where another
-//! view shows the same.
+//! View geometry: direction of a pixel, its angle from the gaze, resolution of the image there, and its position in another view.
 //!
-//! View space is OpenXR's: +x right, +y up, -z forward. Angles are radians unless a name says otherwise.
+//! View space is OpenXR's: +x right, +y up, -z forward. Angles are in radians unless a name has another unit.
 
 mod cap;
 mod depth;
@@ -96,7 +95,7 @@ impl ImagePlane {
 /// Angle between two directions of any length, in radians within 0..=pi.
 ///
 /// The form atan2(|a x b|, a . b) is accurate near 0 and pi, where acos of the dot product is not. Directions
-/// without a meaning (zero, infinite, NaN) give 0: what cannot be placed is treated as looked at.
+/// without a meaning (zero, infinite, NaN) give 0: an unknown position is treated as at the gaze.
 pub fn eccentricity(a: Vec3, b: Vec3) -> f32 {
     let (a, b) = (scaled_to_one(a), scaled_to_one(b));
     // + 0: the dot product of nothing may be -0, for which atan2 gives pi.

@@ -111,7 +111,7 @@ impl<'a> MaskView<'a> {
         self.tiles_of(block).all(|tile| self.tiles.is_stale(tile))
     }
 
-    /// The tiles that a block touches: those of its corners.
+    /// The tiles that a block touches: the tiles of its corners.
     fn tiles_of(&self, block: UVec2) -> impl Iterator<Item = UVec2> {
         let texel = UVec2::from(self.tiles.texel).max(UVec2::ONE);
         let last = BLOCK - 1;

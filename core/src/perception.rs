@@ -1,8 +1,8 @@
 //! Contrast of images, and its visibility.
 //!
 //! [`luminance`] makes cd/m^2 of colours, [`pyramid`] takes them apart into octaves of spatial frequency, and
-//! [`crate::kernels::analyze`] keeps the contrast of each octave for each tile of a picture. What a coarsely shaded tile no longer shows,
-//! [`extrapolate`] puts back. [`csf`] says how much of a contrast is seen.
+//! [`crate::kernels::analyze`] keeps the contrast of each octave for each tile of a picture. [`extrapolate`] restores contrast that a
+//! coarsely shaded tile no longer shows. [`csf`] gives the visibility of a contrast.
 
 pub mod csf;
 pub mod extrapolate;

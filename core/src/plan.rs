@@ -1,10 +1,10 @@
 //! The plan of one frame, for each eye: the rate of every tile, its updates, and attenuation of chroma.
 //!
-//! [`Planner`] makes a [`FramePlan`] of a [`PlanInput`] in three steps. What holds for the whole frame is a handful of
-//! numbers: the safety limits widen every radius by the uncertainty of the gaze, limit how fast tiles become coarser, and leave
-//! things off while the gaze is lost. From these come a [`DecideParams`](crate::kernels::decide::DecideParams) for each eye, the uniform of the kernel
-//! `decide`; [`crate::kernels::decide`] is its reference, and all that is done for each tile. Around it, [`crate::schedule::CellAges`] says which
-//! directions are rendered anew, and [`crate::chroma::ChromaTemporalFilter`] how colour follows the gaze.
+//! [`Planner`] makes a [`FramePlan`] of a [`PlanInput`] in three steps. A handful of numbers hold for the whole frame: the safety limits
+//! widen every radius by the uncertainty of the gaze, limit how fast tiles become coarser, and turn techniques off while the gaze is lost.
+//! From these come a [`DecideParams`](crate::kernels::decide::DecideParams) for each eye, the uniform of the kernel `decide`;
+//! [`crate::kernels::decide`] is its reference, with all the work per tile. Around it, [`crate::schedule::CellAges`] selects the
+//! directions to render again, and [`crate::chroma::ChromaTemporalFilter`] lets colour follow the gaze.
 //!
 //! [`FramePlan`] as text (its `Display`) and [`FramePlan::picture`] show a plan to people.
 

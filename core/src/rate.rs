@@ -1,4 +1,4 @@
-//! Shading rates: how many pixels one invocation of the fragment shader covers.
+//! Shading rates: number of pixels per invocation of the fragment shader.
 
 /// Size of the block of pixels that is shaded once, each side 1, 2 or 4 pixels: a fragment size of
 /// `VK_KHR_fragment_shading_rate`.
@@ -70,8 +70,8 @@ impl ShadingRate {
 pub const PAPER_RATES: [ShadingRate; 4] =
     [ShadingRate::R4X4, ShadingRate::R2X4, ShadingRate::R2X2, ShadingRate::R1X1];
 
-/// The seven rates of `VK_KHR_fragment_shading_rate` that its devices commonly offer, coarsest first. Of those that remove
-/// as many octaves the wider block comes first, as in Vulkan's own order.
+/// The seven rates of `VK_KHR_fragment_shading_rate` that its devices commonly offer, coarsest first. Of rates that remove
+/// equally many octaves, the wider block comes first, as in Vulkan's own order.
 pub const VULKAN_RATES: [ShadingRate; 7] = [
     ShadingRate::R4X4,
     ShadingRate::R4X2,

@@ -22,10 +22,10 @@ pub use stale_tiles::StaleTiles;
 /// Most earlier pictures that are looked into: a period of [`crate::schedule::MAX_FACTOR`] frames less the newest one.
 pub const MAX_AGES: usize = 8;
 
-/// The bit of a tile's byte in the map of an eye's rates that says that the tile is stale in this frame: not rendered, to be
+/// The bit of a tile's byte in the map of an eye's rates that marks the tile as stale in this frame: not rendered, but
 /// re-used from an earlier one. The rest of the byte is [`crate::rate::ShadingRate::texel`], which is at most 0b1010.
 ///
-/// Maps are combined by bitwise AND, so what is made of several tiles is stale only where all of them are.
+/// Maps are combined by bitwise AND, so a combination of several tiles is stale only if all of them are.
 pub const STALE: u8 = 0x80;
 
 #[cfg(test)]

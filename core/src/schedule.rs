@@ -38,7 +38,7 @@ pub enum Phase {
 /// Update schedule: the frames in which each region is rendered.
 ///
 /// In [`Phase::Aligned`] and [`Phase::Staggered`] the answers depend on direction, gaze and frame only, so that both
-/// eyes see a direction at the same age, whatever their images' tiles are.
+/// eyes see a direction at the same age, regardless of the tiles of their images.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Schedule {
     /// Boundaries of the regions.
@@ -72,7 +72,7 @@ impl Schedule {
         }
     }
 
-    /// The phase whose turn it is in a frame, 0..period.
+    /// The phase that is due in a frame, 0..period.
     pub(crate) fn turn(&self, frame: u64, period: u8, eye: usize) -> u8 {
         let late = if self.phase == Phase::AlternateEye && eye == 1 { period / 2 } else { 0 };
         // Reduced first: frame + late could overflow.

@@ -1,4 +1,4 @@
-//! Never unloaded: threads of a capture may still be in it when nobody holds it any more.
+//! Links the library so that it is never unloaded: threads of a capture may still run in it after its last handle is closed.
 
 fn main() {
     println!("cargo::rustc-link-arg-cdylib=-Wl,-z,nodelete");

@@ -17,8 +17,8 @@ pub trait Backend: Send + Sync {
     /// Its capabilities; the plan is made for them.
     fn capabilities(&self) -> CapabilitiesRecord;
 
-    /// The map of the passes that draw to the same colour target as `pass`, whose image is `image`; nothing where they
-    /// cannot be made coarser. Made once for a target, when the first command buffer draws to it.
+    /// The map of the passes that draw to the same colour target as `pass`, whose image is `image`; `None` if they cannot be made coarser.
+    /// Made once for a target, when the first command buffer draws to it.
     fn map(&self, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>>;
 }
 
@@ -59,7 +59,7 @@ pub trait RateMap: Any + Send + Sync {
     }
 
     /// Records the copy of the bytes of [`Self::stage`] to the map, with the barriers against earlier and later passes on this queue. The
-    /// first upload finds what the map was created as.
+    /// first upload finds the map as it was created.
     ///
     /// # Safety
     ///

@@ -39,7 +39,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     private_file::replace(path, &next, bytes)
 }
 
-/// FNV-1a, 64 bits: against damage, not against somebody.
+/// FNV-1a, 64 bits: detects damage, not manipulation.
 pub fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)

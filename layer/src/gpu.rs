@@ -1,8 +1,8 @@
 //! Vulkan objects of ours on the application's device, and the recording and submitting of our work.
 //!
-//! All calls go to the *next* layer's functions. The types here are safe to use from [`crate::kernels`]: an
-//! object lives until it is dropped, and whoever owns objects that command buffers use also owns a `Uses`,
-//! dropped before them, which waits for the last of those command buffers.
+//! All calls go to the *next* layer's functions. The types here are safe to use from [`crate::kernels`]: an object lives until it is
+//! dropped, and an owner of objects that command buffers use also owns a `Uses`, dropped before them, which waits for the last of those
+//! command buffers.
 
 mod app_commands;
 pub mod barrier;
@@ -74,16 +74,16 @@ pub struct Gpu {
     limits: vk::PhysicalDeviceLimits,
     is_software: bool,
     memory: vk::PhysicalDeviceMemoryProperties,
-    /// Nothing where the device does not say.
+    /// `None` if the device does not report it.
     budget: Option<MemoryBudget>,
     /// Memory of the objects made with it, bytes.
     memory_used: AtomicU64,
     queue: vk::Queue,
-    /// Nothing where there is no queue to submit to.
+    /// `None` if there is no queue to submit to.
     commands: Mutex<Option<CommandRing>>,
-    /// Nothing where there is no queue to submit to.
+    /// `None` if there is no queue to submit to.
     shared: Option<Arc<Shared>>,
-    /// The compilation of its pipelines; empty for those that are made without a cache.
+    /// The compilation of its pipelines; empty if they are made without a cache.
     compilation: OnceLock<Arc<Compilation>>,
     abandoned: AtomicBool,
 }
@@ -119,8 +119,8 @@ impl NextSubmit<'_> {
 }
 
 impl Gpu {
-    /// Prepares work on queue `queue_index` of family `queue_family`, with objects that nobody else has, pipelines made by the thread
-    /// that asks for them: for tools and tests.
+    /// Prepares work on queue `queue_index` of family `queue_family`, with objects of its own, and pipelines made by the calling thread:
+    /// for tools and tests.
     ///
     /// # Safety
     /// As for [`Gpu::sharing`].
@@ -141,9 +141,8 @@ impl Gpu {
     /// # Safety
     /// - `record` is of a live device that outlives the result and everything made with it; where it cannot,
     ///   [`Gpu::abandon`] is called before the device dies.
-    /// - The device was created with that queue, and during every call to the result, or to what is made with
-    ///   it, nobody else uses the queue.
-    /// - Every image handle passed to what is made with the result is a live image of this device.
+    /// - The device was created with that queue, which is not used elsewhere during any call to the result, or to objects made with it.
+    /// - Every image handle passed to objects made with the result is a live image of this device.
     ///
     /// # Errors
     /// [`GpuError::Missing`]; [`GpuError::Unsupported`] when the queue cannot draw and compute; a failed call.
@@ -223,8 +222,8 @@ impl Gpu {
         })
     }
 
-    /// Says that the device is lost, hangs, or is about to be destroyed: from now on nothing of ours is waited
-    /// for, and nothing can be submitted. What is shared destroys the rest, when the device ends.
+    /// Notes that the device is lost, hangs, or is about to be destroyed: from now on work of ours is neither waited for nor submitted.
+    /// `Shared` destroys the rest when the device ends.
     pub fn abandon(&self) {
         self.abandoned.store(true, Ordering::Relaxed);
         if let Some(shared) = &self.shared {
@@ -232,7 +231,7 @@ impl Gpu {
         }
     }
 
-    /// Says that the device takes no work of ours: sessions that begin on it later have none.
+    /// Notes that the device takes no work of ours: sessions that begin on it later have none.
     pub(crate) fn give_up(&self) {
         if let Some(shared) = &self.shared {
             shared.give_up();
@@ -254,7 +253,7 @@ impl Gpu {
         self.compilation.get().map_or(Ok(vk::PipelineCache::null()), |compilation| compilation.cache())
     }
 
-    /// Leaves something to be destroyed when the device ends, or never where nobody tells.
+    /// Leaves an object to be destroyed when the device ends, or never if its end is not reported.
     fn leave(&self, left: Left) {
         if let Some(shared) = &self.shared {
             shared.leave(left);
@@ -359,7 +358,7 @@ impl Gpu {
         drawing.all(|family| family.queue_flags.contains(vk::QueueFlags::COMPUTE))
     }
 
-    /// Whether the device takes an image as `info` says, its chain aside, but with that usage.
+    /// Whether the device supports an image of `info`, without its chain, but with that usage.
     pub(crate) fn takes_image(&self, info: &vk::ImageCreateInfo<'_>, usage: vk::ImageUsageFlags) -> bool {
         // SAFETY: the physical device is one of this live instance.
         let limits = unsafe {

@@ -17,8 +17,8 @@ pub use records::{
 use ash::vk;
 use std::ffi::{CStr, c_char, c_void};
 
-/// The name that the Vulkan half's `vkGetDeviceProcAddr` answers with a [`GetLink`]. It begins as those of Vulkan do: of others
-/// newer loaders (1.4.309 is one, 1.3.239 is not) ask no layer, and answer with null.
+/// The name that the Vulkan half's `vkGetDeviceProcAddr` answers with a [`GetLink`]. It begins as Vulkan's names do: for others, newer
+/// loaders (1.4.309 is one, 1.3.239 is not) ask no layer, and answer with null.
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
@@ -31,7 +31,7 @@ pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
 pub const RATES_OF_PLAN: u32 = 0;
 /// The copy was submitted.
 pub const RATES_COPIED: u32 = 1;
-/// The GPU decided, and nothing is copied, because too much is under way, or a call failed.
+/// The GPU decided, and nothing is copied, because too much is in progress, or a call failed.
 pub const RATES_COPY_LEFT_OUT: u32 = 2;
 
 /// A callback before the application's vkDestroyDevice, while the device is still live.
@@ -54,21 +54,21 @@ pub struct LinkTable {
     pub runtime_section: unsafe extern "C" fn(enter: u32),
     /// Writes the abilities of the device's backend, which never change, to `record`; returns 1, or 0 when the device is not armed.
     pub capabilities: unsafe extern "C" fn(device: vk::Device, record: *mut CapabilitiesRecord) -> u32,
-    /// Tells the images of a swapchain, or that they are about to be destroyed.
+    /// Sends the images of a swapchain, or the notice that they are about to be destroyed.
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
     /// Starts a frame with the settings and the plan that are new in it; not called in frames without any.
     pub begin_frame: unsafe extern "C" fn(device: vk::Device, start: *const FrameStart),
-    /// Tells a finished picture of an eye, between the work that wrote it and the end of the frame, in a section of the runtime.
+    /// Sends a finished picture of an eye, between the work that wrote it and the end of the frame, in a section of the runtime.
     pub picture: unsafe extern "C" fn(device: vk::Device, record: *const PictureRecord),
-    /// Ends the device's frame with its submission, before or after the runtime's xrEndFrame. Writes what became of it to `report`; returns 1,
+    /// Ends the device's frame with its submission, before or after the runtime's xrEndFrame. Writes the report on it to `report`; returns 1,
     /// or 0 when the device is not armed. It waits for nothing.
     pub end_frame: unsafe extern "C" fn(
         device: vk::Device,
         submission: *const ShownRecord,
         report: *mut FrameReportRecord,
     ) -> u32,
-    /// Writes the stale tiles of an eye's image (0: left, 1: right) in the last frame to `record`, as [`Self::end_frame`] does: for words that
-    /// had no room there. Returns 1, or 0 where everything is fresh.
+    /// Writes the stale tiles of an eye's image (0: left, 1: right) in the last frame to `record`, as [`Self::end_frame`] does: for words
+    /// that had no room there. Returns 1, or 0 if everything is fresh.
     pub stale: unsafe extern "C" fn(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32,
     /// Copies the rates that the GPU decided last for an eye, in a submit of its own, in a section of the runtime. Returns
     /// [`RATES_COPIED`], [`RATES_OF_PLAN`] or [`RATES_COPY_LEFT_OUT`].

@@ -1,7 +1,7 @@
 //! The log of this process: one line for each event, in `$XDG_STATE_HOME/parafovea/<executable>.log`.
 //!
-//! A file, because Proton sends standard error to nowhere. Whatever fails here is dropped: logging never stops
-//! the application, and never panics. Gaze directions are never logged.
+//! A file, because Proton discards standard error. Failures here are ignored: logging never stops the application, and never panics. Gaze
+//! directions are never logged.
 
 mod file;
 

@@ -1,6 +1,6 @@
 //! From views and gaze of the OpenXR half to the plan: the rates of the Vulkan half, and the regions that keep their colour.
 //!
-//! Pure: gaze, views and times come from [`crate::xr`]. What stays as it is allocates nothing, and gives the same plan.
+//! Pure: gaze, views and times come from [`crate::xr`]. Unchanged inputs allocate nothing, and give the same plan.
 
 mod benefit;
 mod capabilities;
@@ -37,8 +37,8 @@ use signal::Signal;
 use status::LastLook;
 use uploaded_plan::UploadedPlan;
 
-/// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
-/// the runtime's clock has started anew.
+/// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more, the runtime's
+/// clock has restarted.
 const LONGEST_STEP_BACK_NS: i64 = 1_000_000_000;
 
 /// Frames that are shown further apart than this, nanoseconds, re-use nothing: the application paused, or is so slow that the
@@ -141,8 +141,8 @@ impl Planning {
 
     /// Sets the techniques of the uploaded maps, of all that is planned: the other half gets them from now on.
     ///
-    /// Neither technique, and no use for costs of frames, means that the gates rest: maps that nobody gets are not planned. Costs are asked
-    /// for from the beginning of a trial on, whose first stretch is without the technique: rates become coarse within it.
+    /// Neither technique, and no use for costs of frames, means that the gates rest: maps without a receiver are not planned. Costs are
+    /// requested from the beginning of a trial on, whose first stretch is without the technique: rates become coarse within it.
     pub fn set_techniques(&mut self, techniques: Techniques<bool>, wants_costs: bool) {
         self.techniques = techniques;
         self.are_resting = !(techniques.rates || techniques.reuse || wants_costs);
@@ -155,9 +155,9 @@ impl Planning {
         self.are_resting && may_try && self.has_maps(config) && !self.has_work(config, can_attenuate)
     }
 
-    /// The frame that is under way ends with a picture of an eye that is kept, with the sources of its stale tiles: the next frame need not
-    /// render all of it. What is not said of a frame, of whatever reason, is not so, and then the next frame renders everything: another
-    /// swapchain, rectangle or field of view, several projection layers, a picture that could not be composed, no picture.
+    /// The current frame ends with a picture of an eye that is kept, with the sources of its stale tiles: the next frame need not render
+    /// all of it. Without this call, for any reason, the next frame renders everything: another swapchain, rectangle or field of view,
+    /// several projection layers, a picture that could not be composed, no picture.
     pub fn history_kept(&mut self, eye: usize) {
         self.keeps_history[eye] = true;
     }
@@ -177,8 +177,8 @@ impl Planning {
         self.was_idle = self.views.are_known();
     }
 
-    /// Takes the answer of the eye tracker for `time_ns`, while the head is turned so. Says why it is not believed, once for each reason;
-    /// eyes that are not tracked are none.
+    /// Takes the answer of the eye tracker for `time_ns`, with this orientation of the head. Returns the reason why it is rejected, once
+    /// for each reason; untracked eyes are no reason.
     pub fn look(&mut self, config: &Config, look: Look, head: Quat, time_ns: i64) -> Option<Rejection> {
         let settings = gaze_settings(config);
         if settings != self.gaze_settings {
@@ -276,7 +276,7 @@ impl Planning {
         true
     }
 
-    /// Takes how much some tiles of a picture changed: [`Planner::content_changed`].
+    /// Takes the changes of some tiles of a picture: [`Planner::content_changed`].
     pub fn content_changed(&mut self, view: &geometry::View, tiles: &[u32], changes: &[f32]) {
         if let Some(planner) = &mut self.planner {
             planner.content_changed(view, tiles.iter().copied().zip(changes.iter().copied()));
@@ -303,8 +303,8 @@ impl Planning {
         self.planner.is_some() && self.last.is_some_and(|last| last.frame == self.frame)
     }
 
-    /// The maps of the newest plan, if they are others than those that were handed over last; `serial` numbers them.
-    /// What the record points to is valid until the next call of a method that changes anything.
+    /// The maps of the newest plan, if they differ from the ones handed over last; `serial` numbers them. Data that the record points to is
+    /// valid until the next call of a method that changes anything.
     pub fn new_rates(&mut self, config: &Config, serial: impl FnOnce() -> u64) -> Option<PlanRecord> {
         let Some(planner) = self.planner.as_ref().filter(|_| self.has_maps(config)) else {
             self.uploaded.forget();

@@ -1,9 +1,8 @@
 //! Lays the plan's rates over the pictures of a pass: the content of its rate image.
 //!
-//! Each texel of the rate image gets the finest of all tiles of the plan that it meets. What that is can be worked out
-//! for rows and columns apart, because all rectangles are upright. Rates are combined in unary, where the finer of two
-//! is a bitwise AND: log2 of a side of 0, 1, 2 is 0b00, 0b01, 0b11. So is the bit [`STALE`], which a texel has where all
-//! that it meets are stale.
+//! Each texel of the rate image gets the finest rate of all tiles of the plan that it overlaps. Rows and columns can be resolved
+//! separately, because all rectangles are axis-aligned. Rates are combined in unary, where the finer of two is a bitwise AND: log2 of a
+//! side of 0, 1, 2 is 0b00, 0b01, 0b11. So is the bit [`STALE`], which a texel has if all tiles that it overlaps are stale.
 
 mod eye_map;
 mod layout;
@@ -60,8 +59,8 @@ pub struct Scratch {
 /// Writes the texels of `image` to `out`, row by row, layer by layer: [`parafovea_core::rate::ShadingRate::texel`], with
 /// [`STALE`].
 ///
-/// Texels with a pixel of the render area that no part covers, and those outside of the area, are 1x1. `out` has
-/// [`RateImage::len`] bytes; what is more is 1x1, and of what is less the rest is left out.
+/// Texels with a pixel of the render area that no part covers, and those outside of the area, are 1x1. `out` has [`RateImage::len`] bytes;
+/// further bytes become 1x1; if it is shorter, the rest is left out.
 pub fn resolve(
     eyes: [&EyeMap; 2],
     parts: &[Part],
@@ -149,7 +148,7 @@ struct PartRect {
     axes: [(i64, i64); 2],
 }
 
-/// Beyond so many render areas from its corner nothing is told apart.
+/// Limit of positions, in render areas from the corner: further ones are clamped.
 const FAR: f32 = 64.0;
 
 impl PartRect {
@@ -200,7 +199,7 @@ fn is_covered(places: &[PartRect], image: &RateImage, tile: [u32; 2]) -> bool {
     pixels.iter().all(|(first, end)| first < end) && are_covered(places, pixels)
 }
 
-/// Whether all of some pixels are in a part: those that the first part leaves, at most four rectangles, in the others.
+/// Whether each of some pixels is in a part. Pixels outside of the first part, at most four rectangles, must be in the others.
 fn are_covered(places: &[PartRect], [x, y]: [(i64, i64); 2]) -> bool {
     if x.0 >= x.1 || y.0 >= y.1 {
         return true;

@@ -1,8 +1,8 @@
-//! Status of this process while a session is there, for `parafovea status` (`parafovea_manifest::status`).
+//! Status of this process during a session, for `parafovea status` (`parafovea_manifest::status`).
 //!
-//! A thread of ours writes the file. The application's thread hands it plain numbers, when it is asked to: that allocates nothing
-//! and waits for nobody. The thread also takes requests for measurements of the eye tracker. Of gaze and sound it is only told where they
-//! come from and whether they are there, and how far the mean gaze has drifted.
+//! A thread of ours writes the file. The application's thread hands it plain numbers on request, without an allocation or a wait. The thread
+//! also takes requests for measurements of the eye tracker. Of gaze and sound it gets only their sources, whether they are available, and the
+//! drift of the mean gaze.
 
 mod applied_rates;
 mod decisions;
@@ -34,7 +34,7 @@ use std::time::Duration;
 /// Time between the request to the application's thread and the write of the file: some frames.
 const ASKED_BEFORE: Duration = Duration::from_millis(100);
 
-/// Tells of one session until it is dropped.
+/// Reports one session until it is dropped.
 pub struct StatusReporter(Arc<Shared>);
 
 struct Shared {
@@ -46,8 +46,8 @@ struct Shared {
 }
 
 impl StatusReporter {
-    /// Begins to tell of a session; `known` has the parts that do not change. `None` where there is no place for it, which is logged unless
-    /// nobody chose one.
+    /// Begins to report a session; `known` has the parts that do not change. `None` if there is no place for it, which is logged unless none
+    /// was chosen.
     pub fn begin(
         environment: &Environment,
         known: Status,

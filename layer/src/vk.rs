@@ -1,8 +1,7 @@
 //! The Vulkan half: a Vulkan layer (loader interface version 2) that tracks instances and devices.
 //!
-//! [`negotiate()`] is what the Vulkan loader calls first; it hands out the functions of `proc_addr`, through
-//! which everything else is reached. Only the functions in `dispatch` are hooked. Everything that is recorded
-//! into command buffers gets the next layer's pointer, so that it costs nothing.
+//! The Vulkan loader calls [`negotiate()`] first, which hands out the functions of `proc_addr`; everything else is reached through them. Only
+//! the functions in `dispatch` are hooked. All other functions that record commands are the next layer's, so that they cost nothing.
 //!
 //! States: *inert*, see [`Enablement`](crate::abi::Enablement): calls pass, nothing is offered to the OpenXR half. *Armed*, from
 //! vkCreateDevice: the device is offered through [`crate::link`]. *Active*: an OpenXR session is bound to it.

@@ -1,11 +1,11 @@
 //! The OpenXR half: an OpenXR API layer that tracks instances, sessions and swapchains, and works on frames.
 //!
-//! [`negotiate()`] is what the OpenXR loader calls first. Only the functions in `dispatch` are hooked; for all
-//! others, `xrGetInstanceProcAddr` gives the next layer's, so that they cost nothing.
+//! The OpenXR loader calls [`negotiate()`] first. Only the functions in `dispatch` are hooked; for all others,
+//! `xrGetInstanceProcAddr` gives the next layer's, so that they cost nothing.
 //!
 //! An instance is *inert* where Parafovea is not wanted (`DISABLE_PARAFOVEA`, elevated rights, `enabled = false`)
-//! and then has no hooks. A session is *active* when its device is Vulkan, has our Vulkan half and takes our
-//! work, else inert. Whatever fails later is given up for the session, never for the application.
+//! and then has no hooks. A session is *active* when its device is Vulkan, has our Vulkan half and takes our work,
+//! else inert. A part that fails later is turned off for the session; the application goes on.
 
 use std::ffi::CStr;
 

@@ -1,8 +1,7 @@
 //! The configuration: its file and its content.
 //!
-//! The first file of the look-up order is the configuration; what it does not set is as its preset has it, or keeps
-//! its default. A file with an error is rejected as a whole, with a line for each error, so that a configuration is never half of
-//! what the user wrote.
+//! The first file of the look-up order is the configuration; options that it does not set have the value of its preset, or their
+//! default. A file with an error is rejected as a whole, with a line for each error, so that no file applies in part.
 
 mod error;
 mod lookup;

@@ -1,7 +1,7 @@
 //! Faults of an installation: each finding has a meaning and an advice.
 //!
-//! Reads files and the variables that [`Surroundings`] hands in, and calls neither Vulkan nor OpenXR: what only these know
-//! comes in as [`Probed`], from a program that asks them.
+//! Reads files and the variables that [`Surroundings`] hands in, and calls neither Vulkan nor OpenXR: their answers come
+//! in as [`Probed`], from a program that asks them.
 
 mod audio;
 mod configuration;

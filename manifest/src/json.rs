@@ -1,4 +1,4 @@
-//! The manifests that tell the two loaders of the layer.
+//! The manifests by which the two loaders find the layer.
 //!
 //! Sources: OpenXR loader specification, "API Layer Manifest File Format", and the loader's
 //! `manifest_file.cpp`; Vulkan loader, `LoaderLayerInterface.md`, "Layer Manifest File Format".
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// whether it is `1`.
 pub const ENABLE_VARIABLE: &str = "PARAFOVEA";
 
-/// Turns both halves off where it is set, whatever else is.
+/// Turns both halves off if it is set, regardless of other variables.
 pub const DISABLE_VARIABLE: &str = "DISABLE_PARAFOVEA";
 
 /// The extension by which applications get the gaze.

@@ -1,7 +1,7 @@
 //! Drivers and devices that need another way than the specification promises: one table, used by the layer and printed
 //! by `parafovea doctor` and `parafovea status`.
 //!
-//! `PARAFOVEA_QUIRKS=+name,-name` adds and removes rows in one process, to find out for a report what helps.
+//! `PARAFOVEA_QUIRKS=+name,-name` adds and removes rows in one process, to find a remedy for a report.
 
 mod table;
 
@@ -34,7 +34,7 @@ pub struct Quirk {
 pub enum Effect {
     /// Only passes that were recognised as the scene get a rate attachment.
     AttachOnlyMatched,
-    /// Rate attachments have one layer, whatever the driver says of layered ones: both eyes share the finer rates.
+    /// Rate attachments have one layer, even if the driver reports layered ones: both eyes share the finer rates.
     FirstLayerOnly,
     /// Rates hold up to this many samples a pixel: a power of two.
     MaxSamples(u32),
@@ -98,7 +98,7 @@ impl Quirks {
         self.rows.iter().any(|quirk| quirk.effect == effect)
     }
 
-    /// The least number of samples that they allow; `None`: as many as the driver says.
+    /// The least number of samples that they allow; `None`: the driver's number.
     pub fn max_samples(&self) -> Option<u32> {
         let of = |quirk: &&Quirk| match quirk.effect {
             Effect::MaxSamples(samples) => Some(samples),

@@ -1,9 +1,8 @@
-//! Status of a running application: a small file for each process, written anew every second, which
-//! `parafovea status` reads.
+//! Status of a running application: a small file for each process, rewritten every second, which `parafovea status` reads.
 //!
 //! The file is the user's alone (mode 0600, in a folder of mode 0700 below `$XDG_RUNTIME_DIR`). It has no direction of the gaze and
-//! no level of the sound: of both only where they come from, and whether and since when they are there; the stored correction of the eye tracker,
-//! and how far the mean gaze has drifted.
+//! no level of the sound: of both only their source, and whether and since when they are available; the stored correction of the eye
+//! tracker, and the drift of the mean gaze.
 
 mod correction;
 mod effect;
@@ -215,9 +214,8 @@ pub struct Sound {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Rates {
-    /// Share of the tiles of both eyes at each rate that passes obeyed, such as `("4x4", 0.3)`, the coarsest first: those of the device's rates;
-    /// of a mask "1x1", and "skipped" for its blocks of 4x4 pixels that are not shaded; all "1x1" where every pass was left alone. Empty without
-    /// maps.
+    /// Share of the tiles of both eyes at each rate that passes obeyed, such as `("4x4", 0.3)`, the coarsest first: the device's rates; of
+    /// a mask "1x1", and "skipped" for its unshaded blocks of 4x4 pixels; all "1x1" if every pass was left alone. Empty without maps.
     pub tiles: Vec<(String, f32)>,
     /// Share of the pixels that passes shaded: 0..=1; 1 where every pass was left alone.
     pub shaded: f32,

@@ -2,9 +2,9 @@
 //! [--error-frames N] [--error-size PIXELS] [--head DEGREES_PER_S] [--system-driver] [--against NAME=FILE]`. With `--against`, techniques of the
 //! layer have their turn with that build's library too, as `cargo dev bench --compare REV` asks for. With `--system-driver` applications run on the
 //! system's GPU instead of lavapipe, and its time is taken by timestamps. With `--head`, head and eyes do not move as in the scene's script: the
-//! head turns so fast (0: it rests), and the eyes look straight ahead. `hello_xr` is a scene too, and so is each style of the zoo, all of them as
-//! `styles`, though not by default: styles have a table of one row per technique. The run-up is 4 frames, and 120 where a technique is the
-//! layer's: the others then reach the same frames sooner. JOD is the report's: `cargo dev report --jod`.
+//! head turns at that speed (0: it rests), and the gaze is at the centre of the view. `hello_xr` is a scene too, and so is each style of the zoo,
+//! all of them as `styles`, though not by default: styles have a table of one row per technique. The run-up is 4 frames, or 120 for techniques of
+//! the layer: the others then reach the same frames sooner. JOD is the report's: `cargo dev report --jod`.
 
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
@@ -78,7 +78,7 @@ struct Request {
     techniques: Option<Vec<String>>,
     tracker: Tracker,
     timed: Effort,
-    /// Frames before those that are timed, where they are not left to the techniques.
+    /// Frames before the timed ones; None: the techniques' own numbers.
     run_up: Option<u64>,
     /// No frames: no errors.
     judged: Effort,
@@ -164,7 +164,7 @@ fn describe(error: &dyn Error) -> String {
     }
 }
 
-/// All techniques, or the first, which the others are compared with, and those that are `wanted`.
+/// All techniques, or the `wanted` ones and the first, with which the others are compared.
 fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
     let mut techniques = Technique::baselines();
     techniques.push(Technique::layer("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n"));

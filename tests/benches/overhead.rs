@@ -1,6 +1,6 @@
 //! `cargo dev bench overhead [--json] [--instructions]`. The last counts instructions alone, which the machine's other work does
-//! not change. `--driver NAME [CASE...]` measures what planning adds to a frame on a real driver over a no-op kernel shim, with the
-//! layer's library of `--library PATH`; `cargo dev bench` passes a release build.
+//! not change. `--driver NAME [CASE...]` measures the cost of planning per frame on a real driver over a no-op kernel shim, with
+//! the layer's library of `--library PATH`; `cargo dev bench` passes a release build.
 
 use parafovea_tests::HarnessError;
 use parafovea_tests::drivers::ShimDevice;

@@ -16,7 +16,7 @@ type Failure = Box<dyn std::error::Error>;
 
 const CONFIG: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\n[gaze]\nsource = \"centre\"\n";
 const STYLES: [&str; 3] = ["render-pass", "dynamic-rendering", "double-wide"];
-/// The thread that tells, as the layer calls it; the system cuts names to 15 bytes.
+/// Name of the layer's status thread; the system cuts names to 15 bytes.
 const TELLS: &str = "parafovea-tell";
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -130,7 +130,7 @@ fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Result<Status, Fa
     }
 }
 
-/// The thread of a process that tells.
+/// Id of the status thread of a process.
 fn thread(pid: u32) -> Result<String, Failure> {
     for task in std::fs::read_dir(format!("/proc/{pid}/task"))? {
         let task = task?;

@@ -1,8 +1,8 @@
 //! `cargo dev bench break-even`: the cheapest fragment shader at which the layer still gains.
 //!
 //! An application of one triangle an eye, whose pixels cost a chosen amount, with the layer's rates in every frame and without
-//! the layer, by turns. What rates save grows with the cost of a pixel, what they take does not: somewhere between,
-//! both are equal.
+//! the layer, by turns. The savings of rates grow with the cost of a pixel, their own cost does not: at the break-even, both
+//! are equal.
 
 use crate::HarnessError;
 use crate::measure::{Comparison, Effort, Ratio, Row, Samples};
@@ -49,7 +49,7 @@ pub enum BreakEven {
 /// Measures with each of `iterations`, in ascending order; `config` is the layer's configuration.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn points(
     iterations: &[u32],
     effort: Effort,

@@ -1,6 +1,6 @@
 //! Churn: an application that starts and ends sessions on one device, and makes and destroys swapchains, targets, render passes and framebuffers
-//! of changing sizes, with every technique on. What the layer holds when nothing of the application is left must not grow, nor may what it holds at most in a
-//! session.
+//! of changing sizes, with every technique on. The layer's objects and memory at rest, when no object of the application is left, must not grow, nor
+//! may its peak memory in a session.
 
 use crate::HarnessError;
 use crate::run::{Application, Outcome, Run};
@@ -22,7 +22,7 @@ const FEWEST: usize = 3;
 /// Allowed growth of the layer's device memory at rest, bytes: one allocation that rate images share.
 const MOST_AT_REST: u64 = 1 << 20;
 
-/// Allowed growth of the layer's objects at rest: those of one kernel, which a format may ask for late.
+/// Allowed growth of the layer's objects at rest: one kernel's objects, which a format may need late.
 const MOST_OBJECTS: u64 = 8;
 
 /// Allowed ratio of the most device memory in a session, last part to second: sizes are random, and these are medians.
@@ -50,10 +50,10 @@ impl Backend {
     }
 }
 
-/// Runs with and without the layer at the same time, for so long; of all styles of the churn, or of one.
+/// Runs with and without the layer at the same time, for `time`; with all styles of the churn, or with one.
 ///
 /// # Errors
-/// Those of the harness, and an application that fails.
+/// Errors of the harness, and an application that fails.
 pub fn churn(
     backend: Backend,
     time: Duration,

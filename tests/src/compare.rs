@@ -1,4 +1,4 @@
-//! Differences of two images of the same frame: the three figures of the demo's table, and those that tests use.
+//! Differences of two images of the same frame: the three figures of the demo's table, and the tests' figures.
 //!
 //! All pictures are as stored: sRGB code values. `selected` chooses the pixels that count, by column and row.
 
@@ -15,7 +15,7 @@ pub fn max_difference(a: &Picture, b: &Picture, selected: impl Fn(u32, u32) -> b
         .unwrap_or(0)
 }
 
-/// Peak signal-to-noise ratio over the colour channels' code values, in dB; infinite where nothing differs.
+/// Peak signal-to-noise ratio over the colour channels' code values, in dB; infinite if nothing differs.
 ///
 /// 10 log10(255^2 / mean squared error).
 pub fn psnr_db(a: &Picture, b: &Picture, selected: impl Fn(u32, u32) -> bool) -> f64 {

@@ -79,7 +79,7 @@ pub struct Finding {
 /// Times, counts and judges `exhibit`, and saves its pictures in `folder`. Returns the counted run without the layer, too.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn run(
     exhibit: &Exhibit,
     folder: &Path,

@@ -13,7 +13,7 @@ use std::path::Path;
 /// The view of the mock runtime's eyes.
 const FOV: Fov = Fov { left: -FRAC_PI_4, right: FRAC_PI_4, up: FRAC_PI_4, down: -FRAC_PI_4 };
 
-/// The difference of two pictures of an eye of the mock runtime, 90 by 90 degrees, to somebody who looks in a direction.
+/// The difference of two images of an eye of the mock runtime, 90 by 90 degrees, for a gaze in one direction.
 pub struct View {
     pixels: Vec<Pixel>,
 }

@@ -23,7 +23,7 @@ impl Machine {
     /// Devices of a driver.
     ///
     /// # Errors
-    /// Those of the harness, and a machine without any device.
+    /// Errors of the harness, and a machine without any device.
     pub fn of(driver: Driver) -> Result<Self, HarnessError> {
         Self::with(driver, None)
     }

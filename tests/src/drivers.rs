@@ -5,8 +5,8 @@
 //! real GPU. Submissions execute nothing: fences and timeline semaphores signal at once, images stay as they were,
 //! queries never become available. `cargo dev setup` unpacks the drivers below the target folder.
 //!
-//! [`ShimDevice`] says how a program gets on such a device. A [`Row`] is one [`Program`] on one [`Target`]: [`judge`] runs
-//! it without the layer and then in each of its [`Cell`]s, and compares; [`Matrix`] makes many rows, and a table of them.
+//! [`ShimDevice`] puts a program on such a device. A [`Row`] is one [`Program`] on one [`Target`]: [`judge`] runs it
+//! without the layer and then in each of its [`Cell`]s, and compares; [`Matrix`] makes many rows, and a table of them.
 
 mod cell;
 pub mod kernels;

@@ -1,11 +1,11 @@
-//! Errors of the harness itself, as opposed to those of the application that it runs.
+//! Errors of the harness itself, as opposed to errors of the application that it runs.
 
 use std::path::{Path, PathBuf};
 
 /// A failure of the harness, or of the machine that it runs on.
 #[derive(Debug, thiserror::Error)]
 pub enum HarnessError {
-    /// A library or program of this workspace is not there: only a build of the whole workspace makes them all.
+    /// A library or program of this workspace is missing: only a build of the whole workspace makes them all.
     #[error(
         "{name} is not built in {folder}; build it with `cargo build --workspace`, or run a task of `cargo dev`, which does so"
     )]
@@ -56,7 +56,7 @@ pub enum HarnessError {
         /// The error.
         reason: String,
     },
-    /// The application did not meet the measurement's needs; its output says more.
+    /// The application did not meet the measurement's needs; details are in its output.
     #[error("{application}: {reason}\n{output}")]
     Application {
         /// Name of the application.

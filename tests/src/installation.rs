@@ -1,8 +1,8 @@
 //! A folder in which everything is installed as on a user's machine, and the environment that leads to it.
 //!
 //! The loaders find layers through `XDG_DATA_HOME`, configuration and logs through `XDG_CONFIG_HOME` and
-//! `XDG_STATE_HOME`, the runtime through `XR_RUNTIME_JSON`. Nothing of the surrounding environment is passed on
-//! that could change what they do.
+//! `XDG_STATE_HOME`, the runtime through `XR_RUNTIME_JSON`. No part of the surrounding environment that could
+//! change their behaviour is passed on.
 
 use crate::HarnessError;
 use crate::artifacts::Library;

@@ -1,9 +1,8 @@
 //! Running real applications through the real loaders, with and without the layer, and judging the result.
 //!
-//! From the outside in: [`demo`], [`engines`], [`monado`], [`overhead`], [`break_even`] and [`native`] are what people run;
-//! [`run::Run`] starts one application with a [`scenario::Scenario`] for the mock runtime in an environment of its own ([`installation`]), from the libraries
-//! and programs that cargo built ([`artifacts`]); what it did comes back as a [`record::Record`] and as
-//! [`picture::Picture`]s, which [`compare`] compares.
+//! From the outside in: [`demo`], [`engines`], [`monado`], [`overhead`], [`break_even`] and [`native`] are the programs for people; [`run::Run`]
+//! starts one application with a [`scenario::Scenario`] for the mock runtime in an environment of its own ([`installation`]), from the libraries and
+//! programs that cargo built ([`artifacts`]); its results are a [`record::Record`] and [`picture::Picture`]s, which [`compare`] compares.
 
 pub mod artifacts;
 pub mod break_even;

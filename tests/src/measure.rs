@@ -1,8 +1,8 @@
 //! Measurement of a frame's cost and errors: several techniques on one application, in turn, so that other work of the machine affects all
 //! of them alike.
 //!
-//! A [`Subject`] is a scene with somebody in it; a [`Technique`] is what is done to it. [`time`] gives each its turns and
-//! makes [`Timing`]s of them, [`errors()`] judges the pictures, [`rows()`] and [`Summary`] print both.
+//! A [`Subject`] is a scene with a user; a [`Technique`] is applied to it. [`time`] gives each its turns and makes
+//! [`Timing`]s of them, [`errors()`] judges the pictures, [`rows()`] and [`Summary`] print both.
 
 mod errors;
 mod jod;

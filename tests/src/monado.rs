@@ -1,5 +1,5 @@
-//! The gaze from OSC packets on Monado: unmodified hello_xr in the system of `cargo dev monado`, a sender outside of it. Maps are those of a
-//! rate attachment, with the layer of tests that stands in for one.
+//! The gaze from OSC packets on Monado: unmodified hello_xr in the system of `cargo dev monado`, a sender outside of it. Maps come from a
+//! rate attachment, with the test layer that stands in for one.
 
 use crate::HarnessError;
 use crate::artifacts::Library;
@@ -58,7 +58,7 @@ impl Bed {
     /// Puts the layers of tests into the system at `root`, which `cargo dev monado` has filled.
     ///
     /// # Errors
-    /// [`HarnessError::NotBuilt`], and those of files.
+    /// [`HarnessError::NotBuilt`], and errors of files.
     pub fn new(root: &Path) -> Result<Self, HarnessError> {
         let library = root.join("opt/layers/libparafovea_test_layers.so");
         let manifests = root.join("root/.local/share/vulkan/explicit_layer.d");
@@ -72,7 +72,7 @@ impl Bed {
     /// Drives hello_xr with each format, and prints a line for each.
     ///
     /// # Errors
-    /// The layer does not report a format, or its maps are not those of the same gaze in a file.
+    /// The layer does not report a format, or its maps differ from the maps of the same gaze in a file.
     pub fn follow_packets(&self) -> Result<(), HarnessError> {
         let [left, up] = LOOK;
         self.write(RECORDING, &format!("0,{left},{up}\n"))?;

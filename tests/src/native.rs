@@ -1,12 +1,12 @@
 //! `cargo dev gpu`: rates that the layer gives to passes, beside the same rates that the application sets itself.
 //!
 //! The layer writes down which map each pass of each frame had; the zoo's application then sets these maps by rate attachments of
-//! its own (`parafovea-zoo --native-map`), without the layer. Every picture must be the same, bit for bit: what differs is what the layer
-//! does wrong. With it go times on the GPU: without rates, with the layer's, with the application's own, and with the layer attached and
-//! all at 1x1, which is what it costs to be ready.
+//! its own (`parafovea-zoo --native-map`), without the layer. Every image must be the same, bit for bit: a difference is an error of the
+//! layer. With it go times on the GPU: without rates, with the layer's, with the application's own, and with the layer attached and all
+//! at 1x1, the cost of being ready.
 //!
-//! That takes a device with `VK_KHR_fragment_shading_rate`. Over the stand-in for one, which shades every pixel, pictures say little; the maps
-//! and draws that it saw are compared instead.
+//! That takes a device with `VK_KHR_fragment_shading_rate`. Over the stand-in for one, which shades every pixel, images show little; the maps
+//! and draws that it recorded are compared instead.
 
 mod comparison;
 mod results;
@@ -55,7 +55,7 @@ enum Rates<'a> {
     Layer,
     /// The layer, all of them 1x1.
     Attached,
-    /// The application, those of a file.
+    /// The application, with the rates of a file.
     Native(&'a Path),
 }
 

@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Direction of the gaze, degrees to the left and upwards.
 pub const LOOK: [f32; 2] = [-18.0, 9.0];
 
-/// A port that nobody has at this moment.
+/// A port that is free at this moment.
 ///
 /// # Errors
 /// The system gives none.
@@ -41,7 +41,7 @@ pub fn bundle(messages: &[Vec<u8>]) -> Vec<u8> {
     bytes
 }
 
-/// A way to tell of the gaze.
+/// A format of gaze packets.
 #[derive(Clone, Copy, Debug)]
 pub struct Format {
     /// Its name for people.

@@ -1,9 +1,9 @@
 //! `cargo dev bench overhead`: the CPU time that the layer adds to an application that it does nothing for.
 //!
-//! Four cases, by turns, so that what else the machine does falls on all of them alike, and of each the turn that it
-//! disturbed least: nothing of ours; an empty Vulkan layer that passes every call on, which is what any layer costs;
-//! Parafovea told to be inert; Parafovea on: for a frame with every technique off, for recording with shading rates, so that
-//! its Vulkan half is armed, and active in an OpenXR application.
+//! Four cases, by turns, so that other work of the machine affects all of them alike, and of each the least disturbed turn:
+//! nothing of ours; an empty Vulkan layer that passes every call on, the cost of any layer; Parafovea configured to be
+//! inert; Parafovea on: for a frame with every technique off, for recording with shading rates, so that its Vulkan half is
+//! armed, and active in an OpenXR application.
 
 mod planning;
 
@@ -101,7 +101,7 @@ const ARMED: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"off\
 /// CPU time of the whole process for one frame of hello_xr.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn hello_xr(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
     let application = Application::hello_xr("Vulkan2")?;
     // Small pictures: what the layer adds is the same, and less of the driver's own work hides it.
@@ -132,7 +132,7 @@ const STYLES: [(&str, &[&str]); 4] = [
 /// on, and in an OpenXR application, where it is active.
 ///
 /// # Errors
-/// Those of the harness, and a program that prints something else than its figures.
+/// Errors of the harness, and a program that prints something else than its figures.
 pub fn recording(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
     let mut all = Vec::new();
     for (style, arguments) in STYLES {
@@ -158,7 +158,7 @@ pub fn recording(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
 /// machine does not change them, so one turn is enough.
 ///
 /// # Errors
-/// Those of the harness, where Valgrind is not installed, and where it says no number.
+/// Errors of the harness, where Valgrind is not installed, and where it prints no number.
 pub fn recording_instructions() -> Result<Vec<Figure>, HarnessError> {
     let mut all = Vec::new();
     for (style, arguments) in STYLES.into_iter().filter(|(_, arguments)| arguments.contains(&OPENXR)) {

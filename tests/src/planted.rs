@@ -35,14 +35,14 @@ pub struct Decision {
     pub switches: usize,
     /// Share of the frames without rates, after they were on first.
     pub off: f64,
-    /// Lines of the log that say what the gate decided.
+    /// Lines of the log with the gate's decisions.
     pub verdicts: Vec<String>,
 }
 
 /// Runs 30 s of frames of the style `render-pass` whose rates save the share `gain` of their cost.
 ///
 /// # Errors
-/// Those of the harness; frames without rates, or without answers to queries.
+/// Errors of the harness; frames without rates, or without answers to queries.
 pub fn decide(gain: f64, seed: u64) -> Result<Decision, HarnessError> {
     let frames = SECONDS * HZ;
     let count = frames.to_string();

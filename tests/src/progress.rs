@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-/// Counts work that is done, and says so before each step.
+/// Counts finished work, and prints it before each step.
 pub struct Progress {
     start: Instant,
     done: u64,
@@ -15,7 +15,7 @@ impl Progress {
         Self { start: Instant::now(), done: 0, all }
     }
 
-    /// Says on standard error which step comes next.
+    /// Prints the next step to standard error.
     pub fn next(&self, step: &str) {
         eprintln!("{}", line(step, self.done, self.all, self.seconds()));
     }

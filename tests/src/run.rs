@@ -96,7 +96,7 @@ impl Run {
         }
     }
 
-    /// Sets how the layer is there.
+    /// Sets the mode of the layer.
     pub fn layer(mut self, mode: LayerMode) -> Self {
         self.layer = mode;
         self
@@ -172,13 +172,13 @@ impl Run {
         self.env(&TestLayer::Count.implicit_variable(), "1")
     }
 
-    /// Times command buffers on the GPU, directly below ours: those of the application and of our layer.
+    /// Times command buffers on the GPU, directly below ours: the application's and our layer's.
     pub fn gpu_timed(mut self) -> Self {
         self.test_layers.insert(0, TestLayer::Times);
         self
     }
 
-    /// Counts the calls that come down to the driver, the application's and the layer's own, and makes those of `fault` fail, directly
+    /// Counts the calls that reach the driver, the application's and the layer's own, and makes the calls of `fault` fail, directly
     /// below ours; [`Outcome::faults`] has the counts.
     pub fn faulted(mut self, fault: Option<&VulkanFault>) -> Self {
         self.test_layers.insert(0, TestLayer::Faults);
@@ -230,8 +230,8 @@ impl Run {
         self
     }
 
-    /// Compiles the layer's pipelines on its thread, as for users. Otherwise a layer with debug assertions has each at once, so that what
-    /// it does shows from the first frame on.
+    /// Compiles the layer's pipelines on its thread, as for users. Otherwise a layer with debug assertions has each at once, so that its
+    /// effect shows from the first frame on.
     pub fn compiling_in_background(mut self) -> Self {
         self.compiles_at_once = false;
         self
@@ -249,8 +249,8 @@ impl Run {
         self
     }
 
-    /// Ends the application's standard input when all frames of the scenario are there. hello_xr reads it in a thread of its own
-    /// until its end, and newer C libraries (2.43) wait for that thread in `exit`.
+    /// Ends the application's standard input when all frames of the scenario are submitted. hello_xr reads it in a thread of its
+    /// own until its end, and newer C libraries (2.43) wait for that thread in `exit`.
     pub fn closing_input(mut self) -> Self {
         self.closes_input = true;
         self
@@ -259,7 +259,7 @@ impl Run {
     /// Runs it to its end.
     ///
     /// # Errors
-    /// Those of the harness only; what the application did is in the outcome.
+    /// Errors of the harness only; the application's errors are in the outcome.
     pub fn finish(self) -> Result<Outcome, HarnessError> {
         self.start()?.finish()
     }

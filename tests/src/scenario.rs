@@ -4,8 +4,9 @@ pub use parafovea_mock_runtime::scenario::*;
 
 /// Short forms, so that a run has only its own settings.
 pub trait ScenarioExt {
-    /// So many frames with the mock runtime's defaults (two upright eyes of 90 by 90 degrees and 1024 by 1024 pixels, a
-    /// still head and gaze straight ahead, simulated time), except that nothing is composited: runs are timed.
+    /// This number of frames with the mock runtime's defaults (two upright eyes of 90 by 90 degrees and 1024 by 1024
+    /// pixels, a still head, the gaze at the centre of the view, simulated time), except that nothing is composited:
+    /// runs are timed.
     fn new(frames: u64) -> Self;
 
     /// Saves the sub-images of these frames as the application submitted them.

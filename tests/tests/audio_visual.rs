@@ -12,7 +12,7 @@ use std::time::Duration;
 /// Until every pass is known and rates have settled, frames.
 pub const SETTLED: u64 = 70;
 
-/// Most frames, 100 ms of real time each, that go by until something is heard.
+/// Most frames, 100 ms of real time each, that pass until sound is captured.
 pub const MOST_WAITED: u64 = 200;
 
 /// 100 ms of the runtime's time, frames.
@@ -45,7 +45,7 @@ fn finish(run: Run, frames: u64) -> Outcome {
     outcome
 }
 
-/// Nothing that validation did not say without the layer.
+/// Asserts that validation reports nothing new against the run without the layer.
 fn assert_valid(outcome: &Outcome, reference: &Outcome) {
     let is_copy_of_map = |found: &Message| found.text.contains(COPY_OF_MAP);
     let mut new = outcome.findings.beyond(&reference.findings);
@@ -185,7 +185,7 @@ impl Listening {
         lines.lines().last().is_some_and(|line| line.contains("\"silent\":false"))
     }
 
-    /// Frames until sound is heard, or is not any more.
+    /// Frames until sound is captured, or no longer captured.
     pub fn play_until_heard(&mut self, is_heard: bool) {
         for _ in 0..MOST_WAITED {
             self.play(1);
@@ -267,7 +267,7 @@ fn sound_comes_and_goes() {
     assert_steady(&maps, false);
 }
 
-/// While one sound lasts, rates settle. All lights go out, and they settle anew.
+/// While one sound lasts, rates settle. All lights go out, and they settle again.
 #[test]
 fn a_scene_cut_is_followed_without_oscillation() {
     let (_folder, audio) = tone(2, 0);
@@ -295,7 +295,7 @@ fn a_scene_cut_is_followed_without_oscillation() {
     assert!(lit.iter().sum::<u32>() > 0 && by_cut > 2 * by_time, "{by_time} {by_cut}\n{}", outcome.log);
 }
 
-/// In silence rings hold: maps of the GPU then equal those of the CPU, to the last bit, on both backends.
+/// In silence rings hold: maps of the GPU then equal the CPU's, to the last bit, on both backends.
 #[test]
 fn rings_from_the_gpu_are_those_of_the_cpu() {
     const FRAMES: u64 = SETTLED;

@@ -1,4 +1,4 @@
-//! The bench `break-even` runs, and dearer pixels cost more.
+//! The bench `break-even` runs, and more expensive pixels cost more.
 
 use parafovea_tests::break_even::{WITH_RATES, application, points, rows};
 use parafovea_tests::measure::Effort;

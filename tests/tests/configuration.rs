@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 10;
 
-/// Runs hello_xr with a configuration file; it has to come to its end. Returns the log's lines that name the file.
+/// Runs hello_xr with a configuration file; it must finish. Returns the log's lines that name the file.
 fn lines_about(config: &str) -> Vec<String> {
     let application = Application::hello_xr("Vulkan2").unwrap();
     let run = Run::new(&application, &Scenario::new(FRAMES).sized(64, 64)).on(config);
@@ -77,9 +77,9 @@ fn a_file_that_cannot_be_read_is_named() {
 #[test]
 fn an_edit_applies_within_a_second() {
     const CHROMA: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n";
-    /// The edit is made once this frame is there ...
+    /// The edit is made once this frame is submitted ...
     const BEFORE: u64 = 60;
-    /// ... and holds a second of frames later, with half a second for a busy machine to come to making it.
+    /// ... and holds a second of frames later, with half a second for a busy machine to make it.
     const AFTER: u64 = BEFORE + 90 + 45;
     let application = Application::hello_xr("Vulkan2").unwrap();
     let mut scenario = Scenario::new(AFTER + 5).sized(96, 96).in_real_time().saving(&[BEFORE, AFTER]);

@@ -1,7 +1,7 @@
-//! Conformance of the offered gaze (`gaze.offer`): what Khronos' conformance suite (OpenXR-CTS) checks of a runtime with
-//! XR_EXT_eye_gaze_interaction holds on the mock runtime without it, with the layer, through the real loader. The suite itself is not built
-//! here; the statements are those of the specification, checked by the application's cases (`tests/cases/src/cases/conformance`), each with
-//! the section that it comes from. That a runtime can fulfil them all is checked on the mock runtime with the extension, without the layer.
+//! Conformance of the offered gaze (`gaze.offer`): the checks of Khronos' conformance suite (OpenXR-CTS) for a runtime with
+//! XR_EXT_eye_gaze_interaction pass on the mock runtime without it, with the layer, through the real loader. The suite itself is not built
+//! here; the statements are the specification's, checked by the application's cases (`tests/cases/src/cases/conformance`), each with its
+//! section. That a runtime can fulfil them all is checked on the mock runtime with the extension, without the layer.
 //!
 //! | Suite | Statements | Case |
 //! |---|---|---|

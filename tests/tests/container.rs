@@ -1,5 +1,5 @@
-//! As in a container such as Steam's pressure-vessel: of the user's machine there is only the home, the environment is the
-//! container's, and nobody listens on stderr.
+//! As in a container such as Steam's pressure-vessel: only the home is of the user's machine, the environment is the
+//! container's, and stderr is closed.
 
 use parafovea_tests::artifacts::{Library, program, system_program};
 use parafovea_tests::installation::{Driver, Halves, Installation};

@@ -21,7 +21,7 @@ fn chroma_attenuation_adds_no_fragments_of_the_application() {
 }
 
 /// The scene draws front to back, so few of its fragments pass the depth test and are then hidden. With its own template, each pixel is
-/// either shaded or filled, by a pass of the scene's too: what the template hides is not among the samples.
+/// either shaded or filled, by a pass of the scene's too: fragments that the template hides are not among the samples.
 #[test]
 fn fragments_behind_a_depth_template_are_not_among_the_samples() {
     let samples = |frames: u64, arguments: &[&str]| {

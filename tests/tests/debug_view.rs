@@ -188,7 +188,7 @@ fn rates_that_the_gpu_decided_are_drawn() {
     assert_eq!(drawn, map, "{}", on.log);
 }
 
-/// A picture that is submitted again, without being drawn anew, has the dot where the eyes look by then.
+/// An image that is submitted again without being drawn again has the dot at the current gaze.
 #[test]
 fn overlays_follow_the_gaze_on_resubmitted_images() {
     const SHOWN: u64 = 8;

@@ -1,5 +1,5 @@
-//! Commands in README, guide and the other texts exist, and accept their arguments. What is cheap is run here or by the tests of the guide,
-//! the installer and the mock runtime; of builds, benches and reports the names are looked up.
+//! Commands in README, guide and the other texts exist, and accept their arguments. Cheap commands are run here or by the tests of the
+//! guide, the installer and the mock runtime; only the names of builds, benches and reports are checked.
 
 use parafovea_tests::artifacts::program;
 use std::fs;

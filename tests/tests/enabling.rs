@@ -1,4 +1,4 @@
-//! When the layer is there, when it is not, and that its absence is complete.
+//! Conditions under which the layer is loaded or not, and its complete absence if not.
 
 use parafovea_manifest::json::{Activation, Half};
 use parafovea_tests::artifacts::Library;

@@ -1,4 +1,4 @@
-//! The runner of `cargo dev bench frame`, with the least effort: that it works and tells the truth, not how fast anything is.
+//! The runner of `cargo dev bench frame`, with the least effort: correctness, not speed.
 
 use glam::Vec3;
 use parafovea_errors::{Metric, Report};

@@ -50,7 +50,7 @@ fn a_configuration_without_work_is_a_pass_through_layer() {
     }
 }
 
-/// A device is armed when it is created or not at all, so an edit that asks for more later says so.
+/// A device is armed when it is created or not at all, so a later edit that needs an armed device asks for a restart.
 #[test]
 fn an_edit_that_needs_another_device_asks_for_a_restart() {
     let application = Application::hello_xr("Vulkan2").unwrap();

@@ -1,7 +1,7 @@
 //! Eye gaze never costs an application its input: with any use of actions and any runtime, it sees and gets the same with the layer as
 //! without, in the same order.
 //!
-//! Each case runs twice, without the layer and with it. The layer follows the gaze in those where a gaze can be had.
+//! Each case runs twice, without the layer and with it. The layer follows the gaze in cases where a gaze is available.
 
 #![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; these are their helpers")]
 
@@ -58,7 +58,7 @@ fn input_at_the_runtime(outcome: &Outcome) -> Vec<Value> {
     outcome.record.input.iter().filter_map(without_ours).collect()
 }
 
-/// A line without the layer's action sets. Nothing where only they are active, or none: what nobody sees.
+/// A line without the layer's action sets. None if only they are active, or none: the application sees no such line.
 fn without_ours(line: &Value) -> Option<Value> {
     let mut line = line.clone();
     let is_ours = |name: &Value| name.as_str().is_some_and(|name| name.starts_with(OURS));

@@ -26,7 +26,7 @@ enum Work {
     Chroma,
     /// Pictures that are completed from earlier ones.
     Reuse,
-    /// Pictures that are completed by depth from those that were seen from elsewhere.
+    /// Images that are completed by depth from images of other poses.
     Follow,
 }
 

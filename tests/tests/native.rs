@@ -1,5 +1,5 @@
-//! `cargo dev gpu`, over the stand-in for a GPU: passes with the layer's rates equal those of an application that sets the same rates
-//! itself. (That both look alike takes a real one.)
+//! `cargo dev gpu`, over the stand-in for a GPU: passes with the layer's rates equal the passes of an application that sets the same
+//! rates itself. (That both look alike takes a real one.)
 
 use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::artifacts::program;

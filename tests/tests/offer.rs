@@ -1,5 +1,5 @@
-//! The gaze of the layer's own sources for applications that ask for it (`gaze.offer`): an application on a runtime without eye gaze sees
-//! what it would see on one that has it, and nothing of that without the option.
+//! The gaze of the layer's own sources for applications that ask for it (`gaze.offer`): an application on a runtime without eye gaze gets
+//! the same results as on one with it, and no part of it without the option.
 
 use crate::osc::{free_address, told};
 use glam::{EulerRot, Quat};

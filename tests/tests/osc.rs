@@ -16,7 +16,7 @@ pub const FRAMES: u64 = 150;
 /// Long enough on a machine that does much else.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A port that nobody has at this moment.
+/// A port that is free at this moment.
 pub fn free_address() -> SocketAddr {
     parafovea_tests::osc::free_address().unwrap()
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 const EVERYTHING: &str = "preset = \"balanced\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n[log]\nlevel = \"debug\"\n";
 
-/// Enough that most pipelines are there before the end.
+/// Enough that most pipelines are compiled before the end.
 const FRAMES: u64 = 90;
 
 /// So many that pipelines are being compiled when the device goes.

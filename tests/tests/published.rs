@@ -111,7 +111,7 @@ fn chroma_over_the_disc_is_that_of_the_paper() {
     }
 }
 
-/// The texels of paper A's map of a picture at rest, for a sound, where the eyes look straight ahead.
+/// The texels of paper A's map of a static image, for a sound, with the gaze at the centre of the view.
 fn paper_map(picture: &Picture, fov: Fov, audio: AudioFeatures) -> Vec<u8> {
     let colors = Plane::from_fn(picture.width, picture.height, |x, y| {
         let [red, green, blue, _] = picture.at(x, y);

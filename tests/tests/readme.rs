@@ -18,7 +18,7 @@ fn the_page_of_options_is_generated() {
     );
 }
 
-/// The README's own table is of a few options, which are there, with these defaults.
+/// The README's own table lists a few options, which exist, with these defaults.
 #[test]
 fn options_of_the_readme_are_there() {
     let defaults = Config::default();

@@ -1,4 +1,4 @@
-//! The effect of re-use on the images of our scene, against those without the layer.
+//! The effect of re-use on the images of our scene, against the images without the layer.
 
 use glam::{Vec2, Vec3};
 use parafovea_core::geometry::{Fov, eccentricity};
@@ -94,7 +94,7 @@ fn a_turning_head_sees_the_world_stand_still() {
     assert!(turned <= paper / 4.0, "{turned} of {paper}");
 }
 
-/// Pictures of a narrower field of view are made of those of a wider one, and are the very same once all of them are narrow.
+/// Images of a narrower field of view are made of images of a wider one, and match the reference again once all of them are narrow.
 #[test]
 fn a_field_of_view_may_change() {
     let changed = RUN_UP + 3;
@@ -137,7 +137,7 @@ fn config_of_refresh(refresh: bool) -> String {
     format!("{}refresh = {refresh}\n", config("on"))
 }
 
-/// People who walk in the periphery are not seen where they were some frames ago.
+/// People who walk in the periphery are not visible at their earlier positions.
 #[test]
 fn moving_content_is_rendered_at_once() {
     let frames = RUN_UP + 14;
@@ -187,7 +187,7 @@ fn a_cut_renders_everything() {
     assert!(errors[3..].iter().all(|error| *error < 0.1), "{errors:?}");
 }
 
-/// Other swapchains in mid-run begin anew: nothing old is shown, and re-use goes on with the new ones.
+/// Other swapchains in mid-run start without history: nothing old is shown, and re-use goes on with the new ones.
 #[test]
 fn swapchains_may_change() {
     let changed = RUN_UP + 4;
@@ -216,7 +216,7 @@ fn swapchains_may_change() {
     }
 }
 
-/// A session after the first one begins anew, on the same device, and re-uses too.
+/// A session after the first one starts without history, on the same device, and re-uses too.
 #[test]
 fn sessions_may_follow_each_other() {
     let frames = RUN_UP + 10;

@@ -31,7 +31,7 @@ fn sessions_on_one_device_share_pipelines_which_go_with_it() {
     assert!(outcome.findings.vulkan.is_empty(), "{:?}", outcome.findings.vulkan);
 }
 
-/// An application closes both loaders, which let go of all libraries, and opens them again: the layer is there each time, and works.
+/// An application closes both loaders, which let go of all libraries, and opens them again: the layer is loaded each time, and works.
 #[test]
 fn loaders_may_be_closed_and_opened_again() {
     const LIVES: usize = 3;

@@ -1,5 +1,5 @@
 //! Applications that know nothing of shading rates, on a device that looks as if it had them: the test layer below
-//! changes nothing for them, and has nothing to say.
+//! changes nothing for them, and reports nothing.
 
 use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::run::{Application, Outcome, Run};

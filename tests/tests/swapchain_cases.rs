@@ -1,6 +1,6 @@
 //! Every case of `parafovea-cases`, three times: without the layer, with the layer and nothing to do, and with
-//! chroma attenuation. The first run is the reference: what the application observes has to be the same, and the
-//! pictures have to be the same or differ exactly as the CPU reference of the kernel says.
+//! chroma attenuation. The first run is the reference: the application must observe the same, and the images must
+//! be the same or differ exactly as in the CPU reference of the kernel.
 
 #![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; these are their helpers")]
 
@@ -23,7 +23,7 @@ struct Case {
     format: PixelFormat,
     /// Whether the application's colour swapchains get images of ours where chroma attenuation is on.
     substituted: bool,
-    /// Width of those that keep the runtime's swapchain, because of a structure in the chain of their creation; 0: none.
+    /// Width of the images that keep the runtime's swapchain, because of a structure in the chain of their creation; 0: none.
     left_alone: u32,
     /// Frame of the image that each frame shows; empty: its own. If the runtime is not ready for another image, the
     /// layer submits the last one again instead of making the application wait.

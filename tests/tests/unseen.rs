@@ -1,4 +1,4 @@
-//! An active application without visible effect says why: once, in its log and its status.
+//! The log and the status of an active application without visible effect give the reason, once.
 
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -50,7 +50,7 @@ fn an_application_of_vulkan_1_0_has_masks() {
     assert_eq!(log(&Application::hello_xr("Vulkan2").unwrap(), RATES), [""; 0]);
 }
 
-/// The device is inert, which is told when it is made.
+/// The device is inert, which is logged when it is made.
 #[test]
 fn no_requested_technique_needs_no_line() {
     assert_eq!(log(&Application::hello_xr("Vulkan2").unwrap(), NOTHING), [""; 0]);

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
-/// T_s of paper A's Algorithm 1: how often features come, seconds; rounded down to whole frames.
+/// T_s of paper A's Algorithm 1: interval of features, seconds; rounded down to whole frames.
 pub const INTERVAL_S: f32 = 0.1;
 
 /// Sample rates that are understood, hertz.
@@ -20,7 +20,7 @@ pub const MAX_CHANNELS: u32 = 8;
 /// Greatest sample, of full scale 1: 24 dB above it. Beyond, a sample is limited.
 const GREATEST_SAMPLE: f32 = 16.0;
 
-/// Least sample, -300 dB: samples closer to 0 count as 0. Nobody hears it, and its square would be denormal.
+/// Least sample, -300 dB: samples closer to 0 count as 0. It is inaudible, and its square would be denormal.
 const LEAST_SAMPLE: f32 = 1e-15;
 
 /// Why there are no features of a stream.

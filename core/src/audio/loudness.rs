@@ -1,8 +1,8 @@
 //! Loudness after BS.1770-4, over a window that slides by 100 ms.
 //!
 //! The crate `ebur128` filters, squares and weights. It keeps every block of a programme for its gated loudness, and
-//! sums its short-term window anew at each question; so it is asked only for the energy of the 100 ms just pushed,
-//! and the windows and gates are made of those here: four in a row are the standard's block of 400 ms, with its
+//! sums its short-term window again at each query; so only the energy of the 100 ms just pushed is read from it, and
+//! the windows and gates are made of these energies here: four in a row are the standard's block of 400 ms, with its
 //! overlap of 75 %.
 
 use ebur128::{Channel, EbuR128, Error};
@@ -63,14 +63,14 @@ impl Loudness {
         self.energies.push_back(lufs.map_or(0.0, |lufs| energy(lufs) * self.correction));
     }
 
-    /// Loudness of the last 400 ms, LUFS: "momentary" of EBU Tech 3341. What was before the first sample counts as
-    /// silence, which has negative infinity.
+    /// Loudness of the last 400 ms, LUFS: "momentary" of EBU Tech 3341. Time before the first sample counts as silence,
+    /// of negative infinity.
     pub fn momentary(&self) -> f64 {
         self.ungated(BLOCK_HOPS)
     }
 
-    /// Loudness of all of T_a without gates, LUFS: with 3 s "short-term" of EBU Tech 3341. What was before the first
-    /// sample counts as silence, which has negative infinity.
+    /// Loudness of all of T_a without gates, LUFS: with 3 s "short-term" of EBU Tech 3341. Time before the first sample
+    /// counts as silence, of negative infinity.
     pub fn short_term(&self) -> f64 {
         self.ungated(self.window_hops)
     }

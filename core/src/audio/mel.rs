@@ -6,19 +6,19 @@ pub const BANDS: usize = 24;
 /// Range of frequencies that are heard, hertz: minMel and maxMel of Eq. 4 are the mel of these.
 pub(super) const AUDIBLE_HZ: [f64; 2] = [20.0, 20_000.0];
 
-/// Least gamma_fq, kilo-mel: the mel of 1 kHz. Below, 1 / gamma_fq of Eq. 14 would leave what the study had; a hum of
-/// 50 Hz would raise the score by 5.8.
+/// Least gamma_fq, kilo-mel: the mel of 1 kHz. Below, 1 / gamma_fq of Eq. 14 would leave the range of the study; a hum
+/// of 50 Hz would raise the score by 5.8.
 pub const LEAST_KILOMEL: f32 = 1.0;
 
 /// Greatest gamma_fq, kilo-mel: the mel of 6 kHz, where the study ends.
 pub const GREATEST_KILOMEL: f32 = 2.5457;
 
-/// The mel of a frequency in hertz, 2595 lg(1 + f / 700) (paper A Eq. 2). NaN and what is below 0 count as 0.
+/// The mel of a frequency in hertz, 2595 lg(1 + f / 700) (paper A Eq. 2). NaN and negative values count as 0.
 pub fn mel_of_hz(hz: f64) -> f64 {
     2595.0 * (1.0 + hz.max(0.0) / 700.0).log10()
 }
 
-/// The frequency in hertz of a mel, the inverse of [`mel_of_hz`]. NaN and what is below 0 count as 0.
+/// The frequency in hertz of a mel, the inverse of [`mel_of_hz`]. NaN and negative values count as 0.
 pub fn hz_of_mel(mel: f64) -> f64 {
     700.0 * (10f64.powf(mel.max(0.0) / 2595.0) - 1.0)
 }
@@ -37,7 +37,7 @@ pub fn gamma_fq(mean_mel: Option<f64>) -> f32 {
 /// Centres are `(i - 1) / 23` of the way from the mel of 20 Hz to that of 20 kHz, or of half the sample rate where
 /// that is less: the paper's 24 would leave a gap of two steps before the last. The outer sides of the first and last
 /// filter, for which the paper names no nodes, are absent: each ends at its centre. Triangles are not scaled to equal
-/// area, so what two neighbours take of a bin adds up to all of it.
+/// area, so the weights of two neighbours for a bin add up to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilterBank {
     /// Index of the first bin at or above 20 Hz.

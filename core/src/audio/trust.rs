@@ -47,12 +47,12 @@ impl Continuity {
 }
 
 impl AudioFeatures {
-    /// Reliable part of features that were heard `age_s` ago with this confidence, 0..=1, where new ones come every
-    /// `interval_s`. All in seconds; what is no number is nothing to rely on.
+    /// Reliable part of features that were captured `age_s` ago with this confidence, 0..=1, where new ones come every
+    /// `interval_s`. Times are in seconds; `None` for NaN.
     ///
-    /// From 100 to 300 ms after the next should have come they fade into silence's, and then there is none: what sound pays
-    /// for ends in less than 500 ms when capture does, and not with a jump. The budget of Eq. 17 is linear in gamma_ld
-    /// and in 1/gamma_fq, and so is this.
+    /// From 100 to 300 ms after the next ones were due they fade to the features of silence, and then the answer is `None`:
+    /// the budget by sound ends in less than 500 ms after capture, and not with a jump. The budget of Eq. 17 is linear in
+    /// gamma_ld and in 1/gamma_fq, and so is this.
     pub fn relied_on(&self, age_s: f32, confidence: f32, interval_s: f32) -> Option<Self> {
         let late_s = age_s - interval_s;
         let fresh = 1.0 - ((late_s - FULL_S) / (NOTHING_S - FULL_S)).clamp(0.0, 1.0);

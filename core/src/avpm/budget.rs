@@ -50,7 +50,7 @@ pub enum Budget {
     /// Loss of sensitivity that each block may have, in units of the sensitivity function in use: alpha of
     /// [`crate::frco::coarsest`]. Finite; negative permits nothing.
     Alpha(f32),
-    /// Sound says nothing: rates by eccentricity alone.
+    /// Sound gives no budget: rates by eccentricity alone.
     FixedFoveation,
 }
 
@@ -96,9 +96,9 @@ impl BudgetSettings {
 
     /// The budget of a frame, Eq. 17 divided by [`SensitivityUnit::kappa`].
     ///
-    /// `gamma_ld` in loudness units and `gamma_fq_kilomel` are the features of what is heard, limited to their ranges. Where
-    /// `silent`, and where a feature says nothing (NaN, infinite, or gamma_fq of 0, which no sound has), the
-    /// [`SilenceRule`] holds.
+    /// `gamma_ld` in loudness units and `gamma_fq_kilomel` are the features of the sound, limited to their ranges. If
+    /// `silent`, or if a feature is unusable (NaN, infinite, or gamma_fq of 0, which no sound has), the [`SilenceRule`]
+    /// holds.
     pub fn budget(&self, gamma_ld: f32, gamma_fq_kilomel: f32, silent: bool) -> Budget {
         match self.silence {
             _ if !silent && says_something(gamma_ld, gamma_fq_kilomel) => {

@@ -128,7 +128,7 @@ impl Curves {
         }
     }
 
-    /// A bound of how much either gain falls per radian of eccentricity, above 0.
+    /// Upper bound of the fall of either gain per radian of eccentricity, above 0.
     ///
     /// With u = pi E^Z / 2, Eq. 2 is cos^2 u and descends by 2 Z u sin u cos u / E. Where it is above the rim fade,
     /// sin^2 u < E rim_scale, which makes that less than 2 Z rim_scale; and for Z >= .5 it is at most 2 Z pi^2 / 4. The

@@ -31,7 +31,7 @@ impl Focus {
 /// State of the last frame. Pure: time comes from the caller.
 ///
 /// The limit holds for directions in the space in which the gaze is given; best one in which the scene rests, so that
-/// it holds for what is seen there.
+/// it holds for the content.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ChromaTemporalFilter {
     last: Option<LastFrame>,

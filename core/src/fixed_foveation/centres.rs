@@ -4,8 +4,8 @@ use super::FixedFoveation;
 use crate::geometry::{Cap, rotation};
 use glam::{Quat, Vec3};
 
-/// Radius of the disc around straight ahead that stays at full rate, whatever the lenses are turned by: as the fovea of the safety limits,
-/// degrees.
+/// Radius of the disc around the head's forward direction that stays at full rate for any cant of the lenses, degrees: as the fovea of the
+/// safety limits.
 const AHEAD_DEG: f32 = 5.0;
 
 impl FixedFoveation {
@@ -13,11 +13,11 @@ impl FixedFoveation {
     /// common to both views. `orientations` lead there from the views' own spaces; one that is no rotation counts as none.
     ///
     /// A view of OpenXR looks along -z, where the tangents of its field of view are 0: there a lens is sharpest, and a picture has most pixels a
-    /// degree. With canted displays (5 degrees outwards in a Valve Index, 10 in a Pimax) that is beside straight ahead, and with asymmetric
-    /// fields of view beside the middle of the picture. A direction has the finer of the rates by its angles from both axes, in both eyes: where
-    /// the views overlap they agree, and beyond, on the temporal side, each eye's own axis is the nearer one.
+    /// degree. With canted displays (5 degrees outwards in a Valve Index, 10 in a Pimax) that is beside the head's forward direction, and
+    /// with asymmetric fields of view beside the middle of the picture. A direction has the finer of the rates by its angles from both
+    /// axes, in both eyes: where the views overlap they agree, and beyond, on the temporal side, each eye's own axis is the nearer one.
     ///
-    /// No axis counts as farther from straight ahead than leaves a disc of 5 degrees there at full rate.
+    /// The angle of the axes from the head's forward direction is limited, so that a disc of 5 degrees there stays at full rate.
     pub fn lens_centres(&self, orientations: [Quat; 2]) -> [Vec3; 2] {
         // Not a number: none.
         let most_deg = (self.foveal_deg - AHEAD_DEG).max(0.0);
@@ -90,8 +90,8 @@ mod tests {
         map.mean_shading_rate(&tiles, &crate::rate::VULKAN_RATES)
     }
 
-    /// With rings around straight ahead, a canted display would be at full rate to 35 degrees on the nasal side of its lens, and to 25 on the
-    /// temporal one.
+    /// With rings around the head's forward direction, a canted display would be at full rate to 35 degrees on the nasal side of its lens,
+    /// and to 25 on the temporal one.
     #[test]
     fn rings_around_the_lens_shade_as_much_on_either_side() {
         let map = FixedFoveation { peripheral: ShadingRate::R4X4, ..FixedFoveation::L1_C1 };

@@ -5,8 +5,8 @@ use crate::geometry::{ImagePlane, PixelRect, eccentricity, tile_eccentricity};
 use crate::rate::ShadingRate;
 use glam::{Vec2, Vec3};
 
-/// Eccentricities of the tiles of an image of `extent` pixels, degrees, row by row: those of each tile's point nearest to
-/// the gaze, as the rate of a tile is chosen, or, for tiles of 1 x 1, of each pixel's centre.
+/// Eccentricities of the tiles of an image of `extent` pixels, degrees, row by row: of the tile's point nearest to the
+/// gaze, by which its rate is chosen, or, for tiles of 1 x 1, of the pixel's centre.
 ///
 /// `gaze` is in view space; one without a meaning gives 0 everywhere. A `tile` side of 0 counts as 1. For averages
 /// over the picture a tile that its edge cuts counts as a whole one.

@@ -15,8 +15,8 @@ pub struct Block {
     pub pixels: u32,
 }
 
-/// `C_v` of a foveated picture, Eq. 8-10: the sum over bands of what its rates leave of each, averaged over all pixels.
-/// >= 0, in the scale of the sensitivity function.
+/// `C_v` of a foveated picture, Eq. 8-10: the sensitivity that its rates keep, summed over bands and averaged over all
+/// pixels. >= 0, in the scale of the sensitivity function.
 ///
 /// With every rate 1x1 this is `C_v(gt)`. Blocks with a band that is NaN or infinite are left out, with their weight; no
 /// blocks give 0.
@@ -24,8 +24,8 @@ pub fn perceived_quality(blocks: impl IntoIterator<Item = Block>) -> f32 {
     average(blocks, |block| full(block) - f64::from(loss(block.band_sensitivity, block.rate)))
 }
 
-/// gamma_vis of Eq. 11: [`perceived_quality`] at full rate less that at the blocks' rates, computed as the mean of what
-/// each block loses, which keeps its digits where the two are close. >= 0; bad blocks as there.
+/// gamma_vis of Eq. 11: [`perceived_quality`] at full rate minus that at the blocks' rates, computed as the mean loss
+/// of the blocks, which keeps its digits where the two are close. >= 0; bad blocks as there.
 pub fn visual_loss(blocks: impl IntoIterator<Item = Block>) -> f32 {
     average(blocks, |block| f64::from(loss(block.band_sensitivity, block.rate)))
 }

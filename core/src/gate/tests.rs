@@ -86,7 +86,7 @@ proptest! {
         prop_assert!((0.8..1.2).contains(&ratio) || 3 * resting > frames, "{resting} of {frames}");
     }
 
-    /// With open eyes at most four switches in any minute, whatever frames cost; after two full trials, a control and
+    /// With open eyes at most four switches in any minute, at any cost of frames; after two full trials, a control and
     /// at most one change of the kept state in ten minutes.
     #[test]
     fn open_eyes_see_little(
@@ -162,7 +162,7 @@ fn drift_is_no_difference() {
     assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
 }
 
-/// Another scene is judged anew once the old one is gone; back in the old one, its decision is there at once.
+/// Another scene is judged by itself once the old one is gone; back in the old one, its decision holds at once.
 #[test]
 fn another_scene_is_judged_anew() {
     let mut gate = Gate::new(GateMode::Auto);
@@ -234,7 +234,7 @@ fn modes_on_and_off_override_costs() {
     }
 }
 
-/// A technique that pays and one that costs are told apart, and never tried together.
+/// A technique that saves time and one that costs time are distinguished, and never tried together.
 #[test]
 fn two_are_told_apart() {
     for (rates, reuse) in [(0.7, 1.2), (1.2, 0.7), (0.7, 0.8), (1.2, 1.3)] {

@@ -160,7 +160,7 @@ impl Trial {
         self.segments[self.at].push(at_s as f32, cost.ln);
     }
 
-    /// The estimate so far. Before the third segment a drift cannot be told from a saving, and no drift is assumed.
+    /// The estimate so far. Before the third segment a drift cannot be distinguished from a saving, and no drift is assumed.
     pub(super) fn estimate(&self) -> Option<Estimate> {
         let mut points = [Point::default(); SEGMENTS * ROOM];
         let mut len = 0;

@@ -12,8 +12,8 @@ use std::fmt;
 const WIDE_DEG: f32 = 12.0;
 const HIGH_DEG: f32 = 9.0;
 
-/// Places of the dots, degrees to the left and upwards of straight ahead, in the order of their appearance: the middle, then around it,
-/// each near the one before.
+/// Positions of the dots, degrees to the left and upwards of the head's forward direction, in the order of their appearance: the
+/// middle, then around it, each near the one before.
 pub const DOTS_DEG: [[f32; 2]; 9] = [
     [0.0, 0.0],
     [0.0, HIGH_DEG],

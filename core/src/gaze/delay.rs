@@ -1,5 +1,5 @@
 //! Delay of a source of the gaze that does not know when its samples were taken, by another source of the same eyes that does: the lag at which
-//! the velocities of both are most alike. Saccades are as good as marks for that; a gaze that rests tells nothing.
+//! the velocities of both are most alike. Saccades serve as marks; a resting gaze gives no information.
 
 /// Distance of the points at which both are compared, nanoseconds.
 const STEP_NS: i64 = 4_000_000;

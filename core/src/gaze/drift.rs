@@ -1,10 +1,10 @@
 //! Slow drift of the mean gaze: a headset that slipped on the head moves the gaze of its eye tracker by a constant angle (Niehorster et al.
 //! 2020, "The impact of slippage on the data quality of head-worn eye trackers").
 //!
-//! Eyes are turned towards the head's middle most of the time, whatever there is to see: large shifts of the gaze turn the head as well
-//! (Stahl 1999; Sidenmark and Gellersen 2019, in virtual reality), and on pictures the fixations are around the middle (Tatler 2007). So the mean
-//! direction from the head, over minutes, is about the same as before, unless the headset moved. The estimate is for people to
-//! judge: a game that moves to the side of the view looks the same.
+//! Eyes are turned towards the head's middle most of the time, for any content: large shifts of the gaze turn the head as well (Stahl 1999;
+//! Sidenmark and Gellersen 2019, in virtual reality), and on pictures the fixations are around the middle (Tatler 2007). So the mean
+//! direction from the head, over minutes, is about the same as before, unless the headset moved. The estimate is for people to judge: a
+//! game that moves to the side of the view looks the same.
 
 /// Time of one mean, nanoseconds: some thirty fixations.
 const BLOCK_NS: i64 = 10_000_000_000;
@@ -56,8 +56,8 @@ struct Moments {
 }
 
 impl GazeDrift {
-    /// Takes the gaze of a frame that is shown at `now_ns`: degrees to the left and upwards of straight ahead; `None` unless the eyes fixate
-    /// something.
+    /// Takes the gaze of a frame that is shown at `now_ns`: degrees to the left and upwards of the head's forward direction; `None` unless
+    /// the eyes fixate something.
     pub fn push(&mut self, fixated_deg: Option<[f32; 2]>, now_ns: i64) {
         let before_ns = self.newest_ns.replace(now_ns).unwrap_or(now_ns);
         let passed_ns = now_ns.saturating_sub(before_ns).clamp(0, LONGEST_FRAME_NS);

@@ -1,5 +1,5 @@
-//! One-point recentring: the user looks at a dot straight ahead, and the angle between the measured gaze and the dot is the tracker's
-//! offset.
+//! One-point recentring: the user looks at a dot in the head's forward direction, and the angle between the measured gaze and the dot
+//! is the tracker's offset.
 
 use super::fixation::{DotLook, DotTiming, Fixation, NoFixation, distance};
 

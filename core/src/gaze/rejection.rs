@@ -17,8 +17,8 @@ pub enum Rejection {
     OutOfReach,
     /// It is outside of both views.
     OutsideViews,
-    /// It is farther from the one before than eyes turn in that time. Until the next sample what is there becomes finer, as
-    /// the eyes may be there, and nothing coarser; as what follows it is not believed either, a stream of these is lost.
+    /// It is farther from the one before than eyes turn in that time. Until the next sample the tiles there become finer,
+    /// as the eyes may be there, and none coarser. A stream of these counts as a lost gaze, as none of them is believed.
     TooFast,
     /// It is the same to the last bit for long although the head turns.
     Frozen,

@@ -16,7 +16,7 @@ pub struct GazeSettings {
     /// 2007), as sensitivity recovers from saccadic suppression within 50 to 100 ms (Volkmann 1986; Diamond, Ross and Morrone
     /// 2000). After a blink, tiles may not become coarser for as long.
     pub post_saccade_ms: f32,
-    /// Smallest jump that is taken for a saccade, degrees, however quiet the tracker is. What is smaller stays within the
+    /// Smallest jump that is taken for a saccade, degrees, however quiet the tracker is. A smaller one stays within the
     /// least fovea, and the filter follows it.
     pub least_saccade_deg: f32,
     /// Speed below which a saccade is over, degrees a second: smooth pursuit stays below about 100, most of it
@@ -25,16 +25,16 @@ pub struct GazeSettings {
     /// Slowest pursuit, degrees a second: drift and tremor of fixation stay below about 1 (Carpenter 1988), a tracker's
     /// noise is in between.
     pub pursuit_deg_s: f32,
-    /// Over how long the filter remembers, milliseconds.
+    /// Memory of the filter, milliseconds.
     pub memory_ms: f32,
-    /// Farthest that eyes turn from straight ahead, degrees, at most 90: about 55 (Carpenter 1988), and a tracker's error.
+    /// Farthest that eyes turn from the head's forward direction, degrees, at most 90: about 55 (Carpenter 1988), and a tracker's error.
     pub reach_deg: f32,
     /// Largest angle of the gaze outside of the views, degrees: a tracker's error, and the reach of the widest fovea.
     pub outside_deg: f32,
-    /// From when on a gaze that does not change in any bit is not believed, milliseconds, if also
-    /// [`Self::frozen_head_deg`] says so.
+    /// Time after which a gaze that does not change in any bit is not believed, milliseconds, if the head has also
+    /// turned by more than [`Self::frozen_head_deg`].
     pub frozen_ms: f32,
-    /// By how much the head has to turn meanwhile, degrees: eyes that see turn against it.
+    /// Turn of the head in that time above which the gaze counts as frozen, degrees: eyes that see turn against it.
     pub frozen_head_deg: f32,
     /// Age of a sample whose time is not known, milliseconds: 45 to 81 from eye to report in three headsets (Stein et al.
     /// 2021), of which runtimes hide a part by prediction.

@@ -5,7 +5,7 @@ mod scenarios;
 
 const MS: i64 = 1_000_000;
 
-/// A direction `yaw_deg` to the right of straight ahead.
+/// A direction `yaw_deg` to the right of -z.
 fn yaw(yaw_deg: f32) -> Vec3 {
     let angle = yaw_deg.to_radians();
     Vec3::new(angle.sin(), 0.0, -angle.cos())
@@ -87,8 +87,8 @@ fn a_saccade_is_followed_by_60_ms_of_care() {
     assert!(state.may_coarsen() && !state.is_suppressed);
 }
 
-/// A saccade of 15 degrees and 54 ms, which is known to 3 ms, whose samples arrive so late, by a source that tells their times or does not: when changes are
-/// taken to go unnoticed, milliseconds after its start.
+/// Times at which changes are taken to go unnoticed, milliseconds after the start of a saccade of 15 degrees and 54 ms, which is known to 3
+/// ms. Its samples arrive `latency_ms` late, from a source with or without sample times.
 fn suppressed_ms(latency_ms: i64, is_dated: bool) -> Vec<i64> {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     let arrival = |index: i64| 1_000 * MS + index * 9 * MS;

@@ -23,8 +23,8 @@ const SILENT_NS: i64 = 50_000_000;
 /// The same of a slower tracker, in times between its samples.
 const SILENT_INTERVALS: f32 = 2.5;
 
-/// By how much a sample whose time is not known may be older than [`GazeSettings::latency_ms`], nanoseconds: 81 ms in the slowest
-/// of three headsets (Stein et al. 2021), beside 50.
+/// Greatest age of a sample of unknown time beyond [`GazeSettings::latency_ms`], nanoseconds: 81 ms in the slowest of three
+/// headsets (Stein et al. 2021), beside 50.
 const UNKNOWN_AGE_NS: i64 = 31_000_000;
 
 /// Longest that a motion is carried on, and that a new time between samples counts: a longer one is an interruption.
@@ -32,15 +32,15 @@ const LONGEST_NS: i64 = 150_000_000;
 
 /// The gaze as a state machine over samples. Holds no clock: every time is passed in. Allocates nothing.
 ///
-/// In a frame: [`Self::push_at`] with what the source answers about the time when the frame is shown, and [`Self::state`] for
-/// that time. Samples may come late, twice or in the wrong order. One that is older than the newest by up to the hold
-/// time is dropped; by more, the source's clock has started anew, and trust with it.
+/// In a frame: [`Self::push_at`] with the source's answer for the time when the frame is shown, and [`Self::state`] for that
+/// time. Samples may come late, twice or in the wrong order. One that is older than the newest by up to the hold time is
+/// dropped; by more, the source's clock has restarted, and trust with it.
 #[derive(Clone, Debug)]
 pub struct GazeTracker {
     settings: GazeSettings,
     /// Present once a sample was usable.
     seen: Option<Seen>,
-    /// The source said that it has ended ([`Self::source_ended`]), or is not believed any more.
+    /// The source has ended ([`Self::source_ended`]), or is not believed any more.
     ended: bool,
     rejection: Option<Rejection>,
     freeze: FreezeDetector,
@@ -65,7 +65,7 @@ struct Seen {
     trust: f32,
     /// Whether an unusable sample came since.
     interrupted: bool,
-    /// Whether the source tells when its samples were taken.
+    /// Whether the source gives the times of its samples.
     is_dated: bool,
 }
 
@@ -77,7 +77,7 @@ struct Sighting {
 }
 
 impl Seen {
-    /// Whether the eyes turn in the world only because the head does. What they follow stays where it is in the views.
+    /// Whether the eyes turn in the world only because the head does. The content that they follow keeps its place in the views.
     fn looks_along(&self) -> bool {
         let movements = (self.motion.movement(), self.from_head.movement());
         movements == (EyeMovement::Turning, EyeMovement::Resting) && self.motion.in_doubt().is_none()
@@ -129,10 +129,10 @@ impl GazeTracker {
         }
     }
 
-    /// Tells how the head is turned (any fixed space) at a time, on the clock of the samples: eyes turn against it, so that a gaze
-    /// that rests in the world follows nothing, is where it was in the world when the frame is shown, and is in no saccade. One that
-    /// turns with the head follows nothing either, and is where it was from the head; but one that does not change in any bit
-    /// meanwhile is frozen. Without being told, the head counts as still.
+    /// Takes the orientation of the head (in any fixed space) at a time, on the clock of the samples: eyes turn against it, so that
+    /// a gaze that rests in the world follows nothing, is where it was in the world when the frame is shown, and is in no saccade.
+    /// One that turns with the head follows nothing either, and is where it was from the head; but one that does not change in any
+    /// bit meanwhile is frozen. Without this call, the head counts as still.
     pub fn head_turned(&mut self, head: Quat, time_ns: i64) {
         if let Some(head) = rotation(head) {
             let angle_deg = self.head.turned(head, time_ns);
@@ -146,13 +146,13 @@ impl GazeTracker {
         self.views = views.and_then(Views::new);
     }
 
-    /// Why the newest sample was not used; nothing where it was.
+    /// Why the newest sample was not used; `None` if it was.
     pub fn rejection(&self) -> Option<Rejection> {
         self.rejection
     }
 
-    /// The source itself says that there is no gaze any more (an inactive action, an error): trust ramps down
-    /// from `time_ns` on, without the hold that a blink gets.
+    /// Takes the source's own report that it has no gaze any more (an inactive action, an error): trust ramps down from
+    /// `time_ns` on, without the hold that a blink gets.
     pub fn source_ended(&mut self, time_ns: i64) {
         let trust = self.trust_at(time_ns);
         if let Some(seen) = &mut self.seen
@@ -335,7 +335,7 @@ fn turned(directions: [Vec3; 2], by: Option<Quat>) -> [Vec3; 2] {
     by.map_or(directions, |by| directions.map(|direction| (by * direction).normalize()))
 }
 
-/// After how long without a sample the eyes are taken as not seen.
+/// Time without a sample after which the eyes count as unseen.
 fn silent_ns(motion: &Motion) -> i64 {
     let intervals = (f64::from(SILENT_INTERVALS * motion.interval_s()) * 1e9) as i64;
     intervals.clamp(SILENT_NS, LONGEST_NS)

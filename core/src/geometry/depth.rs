@@ -22,8 +22,8 @@ pub const MAX_VIEW_DISTANCE_M: f32 = 1e6;
 /// [`MAX_VIEW_DISTANCE_M`].
 ///
 /// 1 / distance is linear in depth, from 1 / near at `min_depth` to 1 / far at `max_depth`; values beyond either
-/// count as that. What makes no sense (NaN, a plane at 0 or behind, equal bounds) is infinitely far, where only
-/// the view's orientation counts.
+/// count as that. Invalid values (NaN, a plane at 0 or behind, equal bounds) count as infinitely far, where only the
+/// view's orientation counts.
 pub fn view_distance(depth: f32, range: &DepthRange) -> f32 {
     let DepthRange { min_depth, max_depth, near_z, far_z } = *range;
     let t = ((depth - min_depth) / (max_depth - min_depth)).clamp(0.0, 1.0);
@@ -42,14 +42,14 @@ pub fn view_distance(depth: f32, range: &DepthRange) -> f32 {
 pub struct Nearness {
     /// Nearness of the value 0, 1/m, were it within [`Self::bounds`].
     pub at_zero: f32,
-    /// By how much more the value 1 does, 1/m.
+    /// Nearness of the value 1 minus that, 1/m.
     pub slope: f32,
-    /// The least and the greatest value; those beyond count as the nearer of both.
+    /// The least and the greatest value; values beyond count as the nearer of both.
     pub bounds: [f32; 2],
 }
 
 impl Nearness {
-    /// Of the values of a range. Nothing where that makes no sense (NaN, a plane at 0 or behind, equal bounds).
+    /// Mapping of the values of a range; `None` if that is invalid (NaN, a plane at 0 or behind, equal bounds).
     pub fn new(range: &DepthRange) -> Option<Self> {
         let DepthRange { min_depth, max_depth, near_z, far_z } = *range;
         let slope = (far_z.recip() - near_z.recip()) / (max_depth - min_depth);

@@ -43,7 +43,7 @@ pub struct ContrastSettings {
     /// Aggregation of the pixels of a tile.
     pub aggregation: Aggregation,
     /// Light that the headset's panel and optics add to black, and epsilon of the contrast dL / (L_a + epsilon), cd/m^2,
-    /// 1e-4..=1e4. It keeps differences between nearly black pixels from counting. What is no number is 0.1.
+    /// 1e-4..=1e4. It keeps differences between nearly black pixels from counting. NaN counts as 0.1.
     pub dark_cd_m2: f32,
 }
 
@@ -104,8 +104,7 @@ uniform! {
 
 impl AnalyzeParams {
     /// Parameters of the picture of `extent` pixels at `rect_offset` in its image, whose white (1, 1, 1) is `white_cd_m2`.
-    /// What is out of range counts as in [`ContrastSettings`] and
-    /// [`luminance`](crate::perception::luminance::luminance).
+    /// Values out of range count as in [`ContrastSettings`] and [`luminance`](crate::perception::luminance::luminance).
     pub fn new(
         rect_offset: [u32; 2],
         extent: [u32; 2],
@@ -191,9 +190,9 @@ pub fn analyze(luminance: &Plane, settings: &ContrastSettings, buffers: &mut Buf
 
 /// The third stage: from `luminance` and the pyramid that `buffers` hold of it, as they are.
 ///
-/// Band i is level i less what level i + 1, expanded, predicts; its contrast is the amount of that over the luminance
-/// around it (level i + 2, interpolated) and `dark_cd_m2`. A texel of a level belongs to every tile that it covers pixels
-/// of: only where tiles do not begin on a multiple of 8 pixels may that be more than one.
+/// Band i is level i minus level i + 1, expanded; its contrast is the amount of that over the luminance around it (level
+/// i + 2, interpolated) and `dark_cd_m2`. A texel of a level belongs to every tile that it covers pixels of: only where
+/// tiles do not begin on a multiple of 8 pixels may that be more than one.
 pub fn tiles(luminance: &Plane, settings: &ContrastSettings, buffers: &mut Buffers, out: &mut ContrastMap) {
     let settings = settings.usable();
     let [columns, lines] = settings.tiles([luminance.width(), luminance.height()]);

@@ -15,8 +15,7 @@ use glam::{Mat3, UVec2, Vec2, Vec3};
 /// the least that is written to it.
 pub const DARK: f32 = 0.005;
 
-/// Share of the difference between the samples of a part that interpolation may have caused, in a picture that had to be
-/// interpolated.
+/// Share of the difference between the samples of a part that interpolation may have caused, in an interpolated picture.
 pub const INTERPOLATED: f32 = 0.5;
 
 /// Limit of a component of a colour, the largest half float.

@@ -2,7 +2,7 @@
 //! shows one eye's view, after the whole image was copied.
 //!
 //! The region is divided into tiles of [`TILE_SIZE`] pixels; tiles without work are not drawn, and pixels
-//! inside the plateau of full colour around what is looked at are not written.
+//! inside the plateau of full colour around the gaze are not written.
 //!
 //! Where parts of the picture were not rendered, these are taken from earlier pictures first ([`reuse_image`]).
 
@@ -73,7 +73,7 @@ impl ComposeParams {
     /// `gaze`: a direction in that eye's view space, +x right, +y up, -z forward. Without a usable gaze
     /// (zero, not finite) there is no work. `clamp_to_unit`: the image stores 0..=1 only.
     ///
-    /// What is shown follows that gaze alone, see [`Self::following`].
+    /// Attenuation follows that gaze alone; for a focus, see [`Self::following`].
     pub fn new(
         rect_offset: [u32; 2],
         rect_extent: [u32; 2],
@@ -123,7 +123,7 @@ impl ComposeParams {
         self
     }
 
-    /// The part of the region inside an image of `extent` pixels, if any. What its pixels show is unchanged.
+    /// The part of the region inside an image of `extent` pixels, if any. The content of its pixels is unchanged.
     pub fn clipped(mut self, extent: [u32; 2]) -> Option<Self> {
         let room = UVec2::from(extent).saturating_sub(self.rect_offset.into());
         self.rect_extent = room.min(self.rect_extent.into()).into();

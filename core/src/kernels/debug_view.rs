@@ -19,7 +19,7 @@ pub enum DebugView {
     Age,
     /// A dot at the gaze.
     Gaze,
-    /// A dot straight ahead of the head, at infinity.
+    /// A dot in the head's forward direction, at infinity.
     Ahead,
 }
 
@@ -60,7 +60,8 @@ uniform! {
         pub plane_origin: [f32; 2],
         /// [`ImagePlane::step`] of the picture.
         pub plane_step: [f32; 2],
-        /// Direction of the gaze, or straight ahead for [`DebugView::Ahead`]: unit vector in the view's space; all 0 if unknown.
+        /// Direction of the gaze, or the head's forward direction for [`DebugView::Ahead`]: unit vector in the view's space; all
+        /// 0 if unknown.
         pub gaze: [f32; 3],
         /// [`DebugView::number`].
         pub view: u32,
@@ -106,7 +107,7 @@ const FAINT: f32 = 0.25;
 /// Opacity of lines and dots.
 const LINE: f32 = 0.85;
 
-/// Colours of 1/2, 1/4, 1/8 and 1/16 invocations per pixel, linear: those of a plan's picture.
+/// Colours of 1/2, 1/4, 1/8 and 1/16 invocations per pixel, linear: the colours of a plan's picture.
 const RATES: [[f32; 3]; 4] =
     [[0.1946, 0.6376, 0.0823], [0.0160, 0.3916, 0.2307], [0.0232, 0.1878, 0.2705], [0.0529, 0.0578, 0.2423]];
 
@@ -186,7 +187,7 @@ impl DebugViewParams {
     }
 }
 
-/// Of a texel of a rate image, whatever bits it has besides.
+/// Colour and opacity of a texel of a rate image, regardless of its other bits.
 fn of_rate(texel: u8) -> Option<(Vec3, f32)> {
     let rate = ShadingRate::from_texel(texel & 0x0f)?;
     let halvings = (rate.octaves() * 2.0) as usize;
@@ -215,7 +216,7 @@ fn of_dot(degrees: f32) -> Option<(Vec3, f32)> {
     }
 }
 
-/// Draws over an image in place: `pixels` holds rows of `width` texels of four bytes. What lies outside of the image is ignored.
+/// Draws over an image in place: `pixels` holds rows of `width` texels of four bytes. Parts outside of the image are ignored.
 pub fn debug_view_image(
     pixels: &mut [u8],
     width: u32,

@@ -1,8 +1,8 @@
 //! Reference of the kernel `decide`: from one view's parameters to a rate and an age for each of its tiles.
 //!
-//! What depends on the frame alone is in [`DecideParams`], computed once; what is left for a tile is its chord to the
-//! gaze, a few comparisons, and its memory of the frame before. The GPU works out each tile's corners, chord and pixels per
-//! degree by itself, which here are in the [`TileLattice`]; ages stay on the CPU, which knows whose turn it is.
+//! Values of the whole frame are in [`DecideParams`], computed once; the work for a tile is its chord to the gaze, a few
+//! comparisons, and its memory of the frame before. The GPU computes each tile's corners, chord and pixels per degree by
+//! itself, which here are in the [`TileLattice`]; ages stay on the CPU, which has the update schedule.
 
 use crate::frco::Allocation;
 use crate::geometry::{ImagePlane, Reprojection, View};
@@ -31,12 +31,12 @@ uniform! {
         pub levels: [u32; 4],
         /// Their texels, see [`crate::rate::ShadingRate::texel`].
         pub texels: [u32; 4],
-        /// Loss of visible contrast that is allowed, the alpha of paper A Eq. 17, as [`Self::is_marginal`] says; without meaning where no
+        /// Allowed loss of visible contrast, the alpha of paper A Eq. 17, in the sense of [`Self::is_marginal`]; meaningless if no
         /// contrast is judged.
         pub budget: f32,
         /// The same for tiles that are still finer.
         pub coarsening_budget: f32,
-        /// In whose units contrast is judged: 0 where only the rings count, 1
+        /// Units in which contrast is judged: 0 if only the rings count, 1
         /// [`CastleCsf`](crate::avpm::SensitivityUnit::CastleCsf), 2 [`Tursun`](crate::avpm::SensitivityUnit::Tursun).
         pub sensitivity: u32,
         /// Frames in which each tile where contrast is judged is seen at full rate once, so that detail which only
@@ -59,7 +59,7 @@ uniform! {
         /// 1 if contrast was measured in a view of another orientation, see [`Self::measured_in`]; else 0, and each tile has its own
         /// contrast.
         pub is_turned: u32,
-        /// 1 where some tiles are left out ([`crate::reuse::STALE`]); those are said apart.
+        /// 1 if some tiles are left out ([`crate::reuse::STALE`]); these are passed separately.
         pub has_stale: u32,
         /// [`Self::budget`] of tiles whose rate changed less than [`STEADY_MS`] ago.
         pub holding_budget: f32,
@@ -89,7 +89,7 @@ const STILL: f32 = 1.0 / 8.0;
 
 impl DecideParams {
     /// With each tile where contrast is judged seen at full rate once in `every` frames (0: never), of which this is number
-    /// `frame`. For contrast that is measured in what was shaded coarsely ([`crate::kernels::analyze::restore()`]).
+    /// `frame`. For contrast that is measured in coarsely shaded images ([`crate::kernels::analyze::restore()`]).
     pub fn looking(mut self, every: u32, frame: u64) -> Self {
         self.look_every = every;
         self.look_at = frame.checked_rem(every.into()).unwrap_or(0) as u32;
@@ -137,8 +137,8 @@ impl DecideParams {
         (depth > 0.0).then_some(at - 0.5)
     }
 
-    /// The contrast of tile `index`, counted row by row, in this frame: where it lay between tiles when it was measured, the
-    /// greatest of all of them; beyond the picture of then, that of its border. Contrast is NaN for what was behind it.
+    /// Contrast of tile `index`, counted row by row, in this frame: if it lay between tiles of the measured picture, the
+    /// greatest of theirs; beyond that picture, the contrast of its border. NaN if the tile was behind the measured view.
     pub(crate) fn contrast(&self, map: &ContrastMap, index: u32) -> TileContrast {
         let [columns, rows] = self.tiles;
         if self.is_turned == 0 || columns == 0 || rows == 0 {
@@ -201,8 +201,8 @@ impl TileMemory {
 
 /// Decides the tiles of one view.
 ///
-/// `due` says of each tile whether it is to be rendered. Without `contrast` the rings alone decide. `out` has the
-/// ages of the frame before. All of them, and `memory`, have a place for each tile of `lattice`.
+/// `due` marks the tiles to render. Without `contrast` the rings alone decide. `out` has the ages of the frame before.
+/// All of them, and `memory`, have a place for each tile of `lattice`.
 pub fn decide(
     params: &DecideParams,
     lattice: &mut TileLattice,
@@ -230,8 +230,8 @@ pub fn decide(
     }
 }
 
-/// Moves each tile's coarseness: at once down to the limit of rings and contrast, slowly up. On the way up it starts anew from its rate
-/// wherever it is not permitted to grow, so that it becomes coarser only after it was for the whole time.
+/// Moves each tile's coarseness: at once down to the limit of rings and contrast, slowly up. On the way up it starts again from its
+/// rate wherever it is not permitted to grow, so that it becomes coarser only after growth was permitted for the whole time.
 fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
     let step = params.coarsening.min(255) as u8;
     let elapsed_ms = params.elapsed_ms.min(255) as u8;

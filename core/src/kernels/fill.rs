@@ -4,7 +4,7 @@
 //! The weight falls with the square of the distance (Shepard 1968, "A two-dimensional interpolation function for
 //! irregularly-spaced data"), so there is no step where a shaded block begins. Where two opposite sources are more alike
 //! than the two others, they count for more: an edge is followed rather than blurred, as in the interpolation of colour
-//! filter arrays (Hamilton and Adams 1997). `tests/baselines/fill.md` has what either gains.
+//! filter arrays (Hamilton and Adams 1997). `tests/baselines/fill.md` has the gain of either.
 //!
 //! Only shaded blocks are read and only skipped ones written, so the order does not matter and the picture is its own
 //! target. A source that is not finite is left out.

@@ -53,7 +53,7 @@ impl RateMapTable {
     }
 
     /// Adds a picture of an eye in a layer: the columns and rows of its tiles that each column and row of texels meets, below 65536.
-    /// Those that are missing meet none.
+    /// Missing columns and rows of texels meet none.
     pub fn add(
         &mut self,
         layer: u32,
@@ -69,7 +69,7 @@ impl RateMapTable {
         self.pictures += 1;
     }
 
-    /// Says of each texel, row by row, layer by layer, whether all of it is covered. After all pictures.
+    /// Adds for each texel, row by row, layer by layer, whether it is covered entirely. Call it after all pictures.
     pub fn cover(&mut self, covered: &[bool]) {
         let word = |bits: &[bool]| bits.iter().rev().fold(0, |word, bit| word << 1 | u32::from(*bit));
         self.words.extend(covered.chunks(u32::BITS as usize).map(word));

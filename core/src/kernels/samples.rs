@@ -14,7 +14,7 @@ uniform! {
         pub row_words: u32,
         /// Words of an array layer.
         pub layer_words: u32,
-        /// By how many bits a column of pixels is shifted to give a word's.
+        /// Number of bits by which a column of pixels is shifted to give the column of its word.
         pub column_shift: u32,
         /// The same of rows.
         pub row_shift: u32,

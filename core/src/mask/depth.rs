@@ -2,9 +2,9 @@
 //! test.
 //!
 //! Shaded blocks hold the value that the application clears to; skipped ones the value that is nearest to the viewer.
-//! Whatever passes nonetheless is drawn and then replaced by the fill: it costs time, but never shows. Pipelines save:
+//! Fragments that pass nonetheless are drawn and then replaced by the fill: they cost time, but never show. Pipelines save:
 //! - LESS, GREATER: always, also with depth clamp, which brings a fragment onto the near value at most;
-//! - LESS_OR_EQUAL, GREATER_OR_EQUAL: but for what lies on the near plane exactly, as clamped fragments do;
+//! - LESS_OR_EQUAL, GREATER_OR_EQUAL: except for fragments exactly on the near plane, such as clamped ones;
 //! - EQUAL: after a depth pre-pass that the template kept out of the skipped blocks;
 //! - NEVER: nothing to save. ALWAYS, NOT_EQUAL and no depth test: nothing is skipped, and where they write depth, nothing
 //!   that comes after them either.
@@ -115,10 +115,10 @@ pub enum NoNearValue {
 }
 
 /// The near value that keeps fragments out, in a pass that clears depth to `clear`: by the directions of the depth tests that
-/// were `seen` in it, and where they differ or there were none, by the clear value, which is the farthest one.
+/// were `seen` in it, and if they differ or are missing, by the clear value, which is the farthest one.
 ///
 /// # Errors
-/// What makes it uncertain.
+/// The near value is uncertain.
 pub fn near_value(
     seen: impl IntoIterator<Item = Direction>,
     clear: f32,

@@ -144,7 +144,7 @@ impl ShadedBlocks {
         self.bits[self.row_bytes * at.y as usize + at.x as usize / 8] |= 1 << (at.x % 8);
     }
 
-    /// The nearest sources of a skipped block, as [`encode`] gives them; nothing where there is none within reach.
+    /// The nearest sources of a skipped block, as [`encode`] gives them; `None` if there are none within reach.
     pub(super) fn nearest(&self, block: UVec2) -> Option<u32> {
         let first_byte = self.row_bytes * (block.y + REACH) as usize + block.x as usize / 8;
         let found = nearest(|down| {
@@ -224,7 +224,7 @@ pub(super) struct SourceFinder<'a, 'b> {
     patterns: &'a PatternSources,
     /// The first block, and the one after the last.
     blocks: (UVec2, UVec2),
-    /// Blocks in a tile; nothing where tiles are no whole blocks.
+    /// Blocks in a tile; `None` if tiles are not whole blocks.
     tile: Option<UVec2>,
     around: &'a mut PatternsAround,
     /// The row of tiles that `around` is of.

@@ -2,7 +2,7 @@
 //!
 //! [`castle`] is the default: physical units, with temporal frequency, area and colour. [`tursun`] is the set that
 //! paper A was fitted with. In both the logarithm of sensitivity is linear in eccentricity, which
-//! [`SensitivityFall`] uses: what does not depend on the gaze is computed once, then a tile costs one `exp2`.
+//! [`SensitivityFall`] uses: the part without the gaze is computed once, then a tile costs one `exp2`.
 
 pub mod castle;
 mod exp2;
@@ -74,7 +74,7 @@ pub enum VisualField {
     Temporal,
     /// Towards the nose (`vis_field` 180, castleCSF's default).
     Nasal,
-    /// The greater of both sensitivities: the worst case for whoever wants to save, and right on either side.
+    /// The greater of both sensitivities: the cautious choice, safe on either side.
     #[default]
     Worst,
 }

@@ -9,12 +9,12 @@ const EQUAL_OCTAVES: [f32; BANDS] = [1.70, 1.10, 1.02, 1.0];
 
 /// Contrast of the tile at the rate 1x1, given the contrast `measured` while it was shaded at `shaded_at`.
 ///
-/// Octaves finer than the block carry no signal, only the edges between blocks. They get what the finest octave
-/// that survives in both directions lets expect: the amplitude of natural pictures falls as 1/f (Field 1987), so that
-/// each octave has the same contrast, to which the bands answer as [`EQUAL_OCTAVES`]. An octave that is lost in
-/// one direction only keeps what was measured if that is more. Blocks are at most 4x4: two octaves always survive.
+/// Octaves finer than the block carry no signal, only the edges between blocks. They get the contrast expected from the
+/// finest octave that survives in both directions: the amplitude of natural pictures falls as 1/f (Field 1987), so that
+/// each octave has the same contrast, to which the bands answer as [`EQUAL_OCTAVES`]. An octave that is lost in one
+/// direction only keeps its measured contrast if that is higher. Blocks are at most 4x4: two octaves always survive.
 ///
-/// Detail that exists in lost octaves only (a fine regular pattern) cannot be known: look at 1x1 now and then.
+/// Detail that exists in lost octaves only (a fine regular pattern) cannot be known: shade at 1x1 now and then.
 pub fn extrapolate(measured: TileContrast, shaded_at: ShadingRate) -> TileContrast {
     let survivor = survivor(shaded_at);
     let lost_entirely = shaded_at.width().min(shaded_at.height()).ilog2() as usize;

@@ -16,7 +16,7 @@ const LARGEST_COMPONENT: f32 = 65_504.0;
 /// Luminance of a colour in linear light whose white (1, 1, 1) is `white_cd_m2`, in cd/m^2, 0..=10,000.
 ///
 /// `matrix` weights the components. A NaN component counts as 0, an infinite one as the largest that an image holds, and
-/// what comes out negative as black. A white that is not finite or not above 0 is [`USUAL_WHITE_CD_M2`].
+/// a negative result as black. A white that is not finite or not above 0 is [`USUAL_WHITE_CD_M2`].
 pub fn luminance(rgb: Vec3, white_cd_m2: f32, matrix: Matrix) -> f32 {
     bounded(rgb.to_array().map(component), usable_white(white_cd_m2), matrix.weights())
 }
@@ -48,7 +48,7 @@ fn component(value: f32) -> f32 {
 
 /// A luminance that may come from anywhere, as one that [`luminance`] gives: negative values and NaN as 0.
 ///
-/// One comparison of bits: seen as an integer, whatever has a sign or is NaN is above positive infinity.
+/// One comparison of bits: as integers, values with a sign and NaN are above positive infinity.
 pub(crate) fn as_luminance(value: f32) -> f32 {
     if value.to_bits() > 0x7f80_0000 { 0.0 } else { value.min(BRIGHTEST_CD_M2) }
 }

@@ -24,7 +24,7 @@ impl Pyramid {
         &self.levels[level - 1]
     }
 
-    /// Makes all levels of `luminance`, in cd/m^2. What is negative or NaN counts as 0, what exceeds
+    /// Makes all levels of `luminance`, in cd/m^2. Negative values and NaN count as 0, values above
     /// [`BRIGHTEST_CD_M2`](super::luminance::BRIGHTEST_CD_M2) as that.
     pub fn build(&mut self, luminance: &Plane) {
         self.build_rounded(luminance, |value| value);

@@ -13,7 +13,7 @@ pub(super) struct Changes {
     activity: Option<Activity>,
     /// Gaze directions in the world, by the newest plan.
     gazes: [Vec3; 2],
-    /// The frame that is planned, and how many cells were refreshed in it.
+    /// The planned frame, and the number of cells refreshed in it.
     granted: (u64, usize),
 }
 

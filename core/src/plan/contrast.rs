@@ -7,7 +7,7 @@ use crate::frco::Allocation;
 use crate::kernels::decide::{DecideParams, STEADY_MS};
 use crate::perception::{BANDS, ContrastMap, TileContrast};
 
-/// The contrast of one view, and how much of it is seen.
+/// The contrast of one view, and its visibility.
 #[derive(Clone, Copy, Debug)]
 pub struct VisibleContrast<'a> {
     /// Contrast of each tile.

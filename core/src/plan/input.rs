@@ -18,8 +18,8 @@ pub struct PlanInput<'a> {
     pub frame_rate_hz: f32,
     /// The left and the right view.
     pub eyes: [EyeInput<'a>; 2],
-    /// From the space common to both views to one that rests in the world (OpenXR's LOCAL space), so that whose turn it is
-    /// does not move with the head. Any length but 0, which counts as no rotation.
+    /// From the space common to both views to one that rests in the world (OpenXR's LOCAL space), so that the update
+    /// schedule does not move with the head. Any length but 0, which counts as no rotation.
     pub head: Quat,
     /// The gaze, in the space common to both views.
     pub gaze: GazeState,

@@ -16,7 +16,7 @@ pub const TEXEL_SIDES: RangeInclusive<u32> = 8..=64;
 pub const MAX_SIDE: u32 = 16_384;
 
 /// Columns or rows of tiles beyond which a plan takes larger tiles. At 110 degrees they are 1.5 degrees wide, as 16 pixels are at
-/// 1024: what planning costs follows the field of view, not the pixels and not the size of the device's texels.
+/// 1024: the cost of planning follows the field of view, not the pixels and not the size of the device's texels.
 pub const MOST_TILES: u32 = 72;
 
 /// The tile, pixels, to plan a view of `extent` pixels with on a device whose attachments have texels of `texel` pixels: so many
@@ -158,7 +158,7 @@ impl TileLattice {
         [&self.lines[0], &self.lines[1]]
     }
 
-    /// The edges of the view, farther out by some pixels; nothing where there are no tiles.
+    /// The edges of the view, farther out by some pixels; `None` without tiles.
     pub(super) fn edges(&self, pixels: f32) -> Option<FovTangents> {
         let plane = self.plane.filter(|_| self.tiles != UVec2::ZERO)?;
         let first = plane.origin - plane.step * pixels;
@@ -166,8 +166,7 @@ impl TileLattice {
         Some(FovTangents { left: first.x, right: last.x, up: first.y, down: last.y })
     }
 
-    /// The tiles as pixels of a view with this orientation; nothing where there are none. Those that the border cuts are
-    /// whole there.
+    /// The tiles as pixels of a view with this orientation; `None` without tiles. Tiles cut by the border are whole there.
     pub(super) fn tile_view(&self, orientation: Quat) -> Option<View> {
         let plane = self.plane.filter(|_| self.tiles != UVec2::ZERO)?;
         let plane = ImagePlane {

@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 /// sRGB.
 type Colour = [u8; 3];
 
-/// Colours of 1, 1/2, 1/4, 1/8 and 1/16 invocations per pixel: light to dark, told apart by the colour-blind too.
+/// Colours of 1, 1/2, 1/4, 1/8 and 1/16 invocations per pixel: light to dark, distinct for the colour-blind too.
 const RATES: [Colour; 5] = [[250, 231, 85], [122, 209, 81], [34, 168, 132], [42, 120, 142], [65, 68, 135]];
 
 /// Brightness of re-used tiles, as part of their colour.
@@ -25,7 +25,7 @@ const DOT_DEG: f32 = 0.8;
 
 impl FramePlan {
     /// Both eyes beside each other, each `width` pixels wide (1..=4096), as sRGB. Dark lines are the borders of rates,
-    /// red ones those of the regions of the update schedule.
+    /// red lines the borders of the regions of the update schedule.
     pub fn picture(&self, width: u32) -> Plane<[u8; 3]> {
         let width = width.clamp(1, 4096);
         let height = self.eyes.iter().map(|eye| height(eye, width)).max().unwrap_or(1);

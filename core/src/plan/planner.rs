@@ -60,13 +60,13 @@ impl Planner {
     }
 
     /// Sets the displacement of re-used content for each frame of its age, after correction of the head's rotation: arc minutes, by the
-    /// head's translation and the distance of near content. Holds until it is said anew; 0 at first. NaN counts as infinite,
-    /// and then nothing is re-used.
+    /// head's translation and the distance of near content. Holds until the next call; 0 at first. NaN counts as infinite, and then
+    /// nothing is re-used.
     pub fn set_drift(&mut self, arcmin: f32) {
         self.drift_arcmin = if arcmin.is_nan() { f32::INFINITY } else { arcmin.abs() };
     }
 
-    /// Plans with `settings` from now on. Tiles keep what they remember, so that an edit does not show as a jump.
+    /// Plans with `settings` from now on. Tiles keep their state, so that an edit does not show as a jump.
     pub fn set_settings(&mut self, settings: PlanSettings) {
         self.settings = PlanSettings { safety: settings.safety.usable(), ..settings };
         let wanted = match settings.rates {
@@ -188,7 +188,7 @@ impl Planner {
         decide(&params, &mut memory.lattice, memory.updates.due(), contrast, &mut memory.tiles, out);
     }
 
-    /// Chroma of one eye. Colour follows the gaze in the world, so that the limit on its change holds for what is there.
+    /// Chroma of one eye. Colour follows the gaze in the world, so that the limit on its change holds for the content.
     fn attenuate(&mut self, index: usize, input: &PlanInput, head: Quat, rules: &FrameRules) {
         let filter = &mut self.eyes[index].filter;
         let out = &mut self.plan.eyes[index];

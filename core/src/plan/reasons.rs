@@ -12,7 +12,7 @@ pub enum Reason {
     GazeHeld,
     /// The gaze was lost a moment ago: the rings widen until everything has full rate.
     GazeFading,
-    /// The gaze is lost: wide fixed rates around straight ahead, no re-use, full colour.
+    /// The gaze is lost: wide fixed rates around the lens axes, no re-use, full colour.
     GazeLost,
     /// The eyes are in a saccade, or have just landed, and changes go unnoticed: coarser at once outside of the place of landing.
     Suppressed,
@@ -110,7 +110,7 @@ impl Reasons {
         }
     }
 
-    /// Whether it is there.
+    /// Whether a reason is in the set.
     pub fn contains(self, reason: Reason) -> bool {
         self.0 & (1 << reason as u32) != 0
     }

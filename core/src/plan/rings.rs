@@ -30,7 +30,7 @@ impl AvailableRates {
         Self::among(offered, offered)
     }
 
-    /// As [`Self::new`], of those of `wanted` that are also `offered`.
+    /// As [`Self::new`], of the rates in `wanted` that are also `offered`.
     pub fn among(wanted: &[ShadingRate], offered: &[ShadingRate]) -> Self {
         let mut available = Self { coarser: [ShadingRate::R1X1; COARSER_RATES], count: 0 };
         for half_octaves in 1..=COARSER_RATES {
@@ -95,8 +95,8 @@ impl Rings {
     /// Every rate anywhere.
     pub const OPEN: Self = Self { from_deg: [0.0; COARSER_RATES] };
 
-    /// The rings of fixed foveation: a rate is permitted from where [`FixedFoveation::reaches_deg`] says. Rates below
-    /// the peripheral one are permitted nowhere.
+    /// The rings of fixed foveation: a rate is permitted from [`FixedFoveation::reaches_deg`] on. Rates below the
+    /// peripheral one are permitted nowhere.
     pub fn new(map: &FixedFoveation, available: &AvailableRates) -> Self {
         let mut rings = Self::FULL;
         for (from, rate) in rings.from_deg.iter_mut().zip(available.coarser()) {

@@ -200,7 +200,7 @@ fn contrast_limit(
     Some(RateLimit { budget: Some(model.budget_with(budget)), ..rate_limit(settings, rings, safety) })
 }
 
-/// The schedule of this frame; nothing where it would leave nothing out.
+/// The schedule of this frame; `None` if it would leave nothing out.
 fn schedule(
     settings: &PlanSettings,
     safety: &FrameSafety,

@@ -15,7 +15,7 @@ const LONGEST_FRAME_NS: i64 = 100_000_000;
 pub(super) struct FrameSafety {
     /// Area that may be coarse.
     pub(super) area: Area,
-    /// By how much every radius is wider, degrees, 0..=180.
+    /// Enlargement of every radius, degrees, 0..=180.
     pub(super) inflation_deg: f32,
     /// Distance outside of its ring from which on a tile may become coarser, degrees.
     pub(super) hysteresis_deg: f32,

@@ -47,8 +47,7 @@ impl Sensitivity {
     }
 
     /// Sensitivity in each band, finest first, > 0 and finite, of a tile with so many pixels per degree, at an
-    /// eccentricity in degrees, to an eye adapted to a luminance in cd/m^2. Out of domain or NaN: as
-    /// [`Stimulus::clamped`] says.
+    /// eccentricity in degrees, to an eye adapted to a luminance in cd/m^2. Out of domain or NaN: as in [`Stimulus::clamped`].
     pub fn bands(
         &self,
         pixels_per_degree: f32,

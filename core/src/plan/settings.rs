@@ -58,7 +58,7 @@ pub struct AudioVisual {
     pub budget: BudgetSettings,
     /// Allocation of the budget to tiles.
     pub allocation: Allocation,
-    /// The map where [`BudgetSettings`] says so in silence, and where sound or contrast is not known.
+    /// The map in silence, if [`BudgetSettings`] asks for it, and if sound or contrast is not known.
     pub fixed: FixedFoveation,
     /// Map below whose rates contrast and sound do not lead; the paper has none.
     pub cap: Option<FixedFoveation>,
@@ -108,7 +108,7 @@ impl Default for AudioVisual {
 /// Settings of the updates of the periphery.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UpdateSettings {
-    /// Regions, their periods, and whose turn it is.
+    /// Regions, their periods, and their phase.
     pub schedule: Schedule,
     /// Whether every region is one step faster while the eyes follow something: paper B's participants noticed more
     /// then than while they fixated.
@@ -141,7 +141,7 @@ impl From<Schedule> for UpdateSettings {
 pub struct SafetySettings {
     /// Least radius of the area at full rate, before anything widens it, degrees.
     pub least_foveal_deg: f32,
-    /// By how much the eye tracker may be off, degrees. Widens every radius.
+    /// Possible error of the eye tracker, degrees. Widens every radius.
     pub tracker_error_deg: f32,
     /// Time from the eye to the image, seconds: every radius is widened by the movement of the eyes in it.
     pub latency_s: f32,
@@ -157,10 +157,10 @@ pub struct SafetySettings {
     pub coarsening_octaves_per_s: f32,
     /// The same where contrast decides, which noise in the pictures changes too.
     pub contrast_octaves_per_s: f32,
-    /// The same while changes go unnoticed ([`GazeState::is_suppressed`](crate::gaze::GazeState::is_suppressed)), whoever decides: then a tile
-    /// that the eyes have left may be as coarse in the next frame as it may ever be.
+    /// The same while changes go unnoticed ([`GazeState::is_suppressed`](crate::gaze::GazeState::is_suppressed)), with or without contrast:
+    /// then a tile that the eyes have left may reach its coarsest permitted rate in the next frame.
     pub suppressed_octaves_per_s: f32,
-    /// Rates around straight ahead once the gaze is lost; 1x1 everywhere without.
+    /// Rates around the lens axes once the gaze is lost; `None`: 1x1 everywhere.
     pub lost: Option<FixedFoveation>,
 }
 
@@ -203,9 +203,8 @@ impl SafetySettings {
 impl Default for SafetySettings {
     /// A fovea of 5 degrees; 1.1 degrees of error (vendor of the Vive Pro Eye, as paper B takes it); 60 ms from eye to
     /// image, within the 50 to 70 that Albert et al. 2017 found tolerable. One octave takes an
-    /// eighth of a second, so that no tile becomes coarser twice within a tenth, and a quarter where contrast decides; no time where
-    /// nobody sees it.
-    /// Once the gaze is lost, 2x2 from 40 degrees on, beyond what eyes turn to without the head.
+    /// eighth of a second, so that no tile becomes coarser twice within a tenth, and a quarter where contrast decides; no time while
+    /// changes go unnoticed. Once the gaze is lost, 2x2 from 40 degrees on, farther than eyes turn without the head.
     fn default() -> Self {
         Self {
             least_foveal_deg: 5.0,

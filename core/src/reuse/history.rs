@@ -224,8 +224,8 @@ impl<'a> Reuse<'a> {
         self.footprint_of(source, |_| true)
     }
 
-    /// As [`Self::footprint`], without texels of other surfaces: an earlier image lacks content that was occluded then. `depth` says the
-    /// values of the earlier depth image.
+    /// As [`Self::footprint`], without texels of other surfaces: an earlier image lacks content that was occluded then. `depth` reads
+    /// the earlier depth image.
     pub fn moved_footprint(&self, moved: &MovedSource, depth: impl Fn([u32; 2]) -> f32) -> Option<Footprint> {
         let then = self.at_age(moved.source.age)?.parallax?.then;
         self.footprint_of(moved.source, |texel| {
@@ -265,7 +265,7 @@ impl<'a> Reuse<'a> {
             && !(is_corner && (is_stale(across, 0) || is_stale(0, down)))
     }
 
-    /// The pixels of some tiles: the first of them, and how many columns and rows there are.
+    /// The pixels of some tiles, given as the first one and the number of columns and rows.
     pub fn tiles(&self, first: [u32; 2], [columns, rows]: [u32; 2]) -> PixelRect {
         let size = 1.0 / self.now.tiles_per_pixel();
         let corner =
@@ -298,7 +298,7 @@ fn resize(from: &Picture, to: &Picture) -> Mat3 {
     Mat3::from_scale(to.size() / from.size())
 }
 
-/// From points of one picture to those that show the same direction in another.
+/// From points of one picture to the points of the same direction in another.
 fn turn(from: &Picture, to: &Picture) -> Option<Mat3> {
     let found = Reprojection::between(&from.view, &to.view)?;
     let matrix = found.matrix();

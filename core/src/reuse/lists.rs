@@ -10,9 +10,9 @@ use super::{MAX_AGES, Reuse, bits};
 pub struct TileLists {
     /// Tiles that are shown as they are in the newest picture: they were rendered, or no earlier picture has all of them.
     pub fresh: TileRects,
-    /// For each age, from 1 on: stale tiles all of which is taken from the picture of that age, and from nothing of it that was
-    /// not rendered there. Each stale tile is in one of these, or in [`Self::fresh`]. None where the head has moved, by
-    /// [`Reuse::has_moved_since`]: of what was hidden there is nothing to take.
+    /// For each age, from 1 on: stale tiles that are taken entirely from rendered parts of the picture of that age. Each stale
+    /// tile is in one of these, or in [`Self::fresh`]. Empty if the head has moved, by [`Reuse::has_moved_since`]: the picture
+    /// lacks content that was occluded then.
     pub full: [TileRects; MAX_AGES],
     /// Stale tiles of which a part is taken from the picture of that age, if that has it: to be drawn over the others, the
     /// oldest first.
@@ -200,8 +200,7 @@ impl TileLists {
         }
     }
 
-    /// Adds the edges of fresh tiles that are seams, as [`Reuse::is_seam`] says, and that the picture at place `index` is the first
-    /// to have.
+    /// Adds the edges of fresh tiles that are seams by [`Reuse::is_seam`], and that the picture at place `index` is the first to have.
     fn add_seams(&mut self, reuse: &Reuse, picture: (usize, &Earlier), row: u32) {
         let Row { seams, open_seams, found_edges, .. } = &mut self.row;
         let (index, _) = picture;

@@ -276,7 +276,7 @@ struct Bounds {
     line: Option<f32>,
 }
 
-/// From tiles of the newest picture to those of an earlier one.
+/// Mapping from tiles of the newest picture to tiles of an earlier one.
 #[derive(Clone, Copy, Debug)]
 struct Map {
     matrix: Mat3,

@@ -183,8 +183,8 @@ impl StaleTiles {
         row as usize * self.tiles[0] as usize + column as usize
     }
 
-    /// The column and row of the tile that shows a point of a picture, given as shares of its width and height. What is
-    /// beyond the picture is in the nearest tile.
+    /// The column and row of the tile that shows a point of a picture, given as shares of its width and height. Points
+    /// beyond the picture are in the nearest tile.
     pub fn tile_at(&self, share: Vec2) -> [u32; 2] {
         [0, 1].map(|axis| {
             let tile = share[axis] * self.tiles_across()[axis];

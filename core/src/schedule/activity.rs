@@ -5,7 +5,7 @@ use super::{CELLS, Cell, CellAges};
 /// The cells whose content changed visibly within the last frames: they ask to be refreshed in each frame until that is over.
 #[derive(Clone, Debug)]
 pub struct Activity {
-    /// For how many frames more, by cell; 0: it is not among `cells`.
+    /// Number of remaining frames, by cell; 0: the cell is not among `cells`.
     left: Vec<u8>,
     /// Urgency of a refresh, by cell.
     needs: Vec<f32>,

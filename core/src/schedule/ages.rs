@@ -1,4 +1,4 @@
-//! The age of every cell of directions, and which cells are rendered anew in this frame.
+//! The age of every cell of directions, and the cells that are rendered in this frame.
 
 mod due;
 
@@ -15,18 +15,18 @@ pub(super) const CELL_RADIUS_DEG: f32 = 1.56;
 /// Both eyes, as bits.
 const BOTH: u8 = 0b11;
 
-/// State of each cell: how often it is to be rendered, when it last was, and whether it is now.
+/// State of each cell: its period, its age, and whether it is rendered in this frame.
 ///
-/// A frame goes: [`Self::advance`]; then what is to be refreshed beyond the schedule ([`Self::require`],
-/// [`Self::want`], [`super::refresh`]); then [`Self::finish`]; then the answers. Directions are in the space of
-/// [`Schedule::is_due`], whose orientation is fixed in the world: a cell keeps its age while the head turns, as the
-/// pixels do that are re-projected. (With cells fixed to the head, what moves against the order of turns could be older
-/// than its period for as long as it moves.)
+/// Order in a frame: [`Self::advance`]; then refreshes beyond the schedule ([`Self::require`], [`Self::want`],
+/// [`super::refresh`]); then [`Self::finish`]; then the queries. Directions are in the space of [`Schedule::is_due`],
+/// whose orientation is fixed in the world: a cell keeps its age while the head turns, as reprojected pixels do. (With
+/// cells fixed to the head, content that moves against the order of phases could be older than its period for as long
+/// as it moves.)
 ///
-/// After [`Self::finish`] no cell is older than its period - 1 frames, whatever the gaze did: one that a faster region
-/// has reached is refreshed at once. A cell's period is that of its point nearest to either gaze, so a
-/// region reaches up to a cell farther than its radius. The age is how old the picture can be; what has come
-/// into view since, the planner has to [`Self::require`].
+/// After [`Self::finish`] no cell is older than its period - 1 frames, for any movement of the gaze: a cell that a
+/// faster region has reached is refreshed at once. A cell's period is that of its point nearest to either gaze, so a
+/// region reaches up to a cell farther than its radius. The age is the greatest age of the picture; the planner has to
+/// [`Self::require`] content that has come into view since.
 #[derive(Clone, Debug)]
 pub struct CellAges {
     /// Unit directions of the centres, by coordinate.
@@ -67,12 +67,12 @@ impl CellAges {
         }
     }
 
-    /// Goes on to `frame`: ages grow by the frames that passed, and cells due by `schedule`, or would become older
-    /// than its period, is rendered anew.
+    /// Goes on to `frame`: ages grow by the frames that passed, and a cell that is due by `schedule`, or would become
+    /// older than its period, is rendered again.
     ///
-    /// `gaze` is where each eye looks, of any length; one without a meaning (zero, not finite) is left out, and without
-    /// both everything has the centre's period. The same frame again only adds to what is due. A frame number that
-    /// went back counts as a very long time.
+    /// `gaze` is the gaze direction of each eye, of any length; one without a meaning (zero, not finite) is left out,
+    /// and without both everything has the centre's period. The same frame again only adds due cells. A lower frame
+    /// number than before counts as a very long time.
     pub fn advance(&mut self, schedule: &Schedule, frame: u64, gaze: [Vec3; 2]) {
         self.find_periods(schedule, gaze);
         let passed = match self.frame {
@@ -183,8 +183,8 @@ impl CellAges {
         *known = known.max(need);
     }
 
-    /// Grants the most needed refreshes, at most `limit` cells, so that the load stays even; of equal needs those with
-    /// the lower index. The others have to be asked for again. Returns how many were granted.
+    /// Grants the most needed refreshes, at most `limit` cells, so that the load stays even; of equal needs the lower
+    /// index first. The others have to be requested again. Returns the number of granted cells.
     pub fn finish(&mut self, limit: usize) -> usize {
         let mut wanted = std::mem::take(&mut self.wanted);
         wanted.retain(|cell| {
@@ -220,7 +220,7 @@ impl CellAges {
         self.ages.iter_mut().for_each(|ages| ages[cell.index()] = 0);
     }
 
-    /// Whether a cell is rendered anew in this frame for an eye, 0 (left) or 1.
+    /// Whether a cell is rendered in this frame for an eye, 0 (left) or 1.
     pub fn is_due(&self, cell: Cell, eye: usize) -> bool {
         self.due[cell.index()] >> (eye & 1) & 1 == 1
     }

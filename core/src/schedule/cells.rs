@@ -133,8 +133,8 @@ pub(super) fn sign(face: usize) -> f32 {
     1.0 - 2.0 * (face & 1) as f32
 }
 
-/// Maps -1..=1 on a face, the tangent of an angle, to 0..=[`SIDE`] * [`FINE`], nearly in proportion to the angle. What
-/// lies up to |t| = 1.25 continues it; beyond, it is held there.
+/// Maps -1..=1 on a face, the tangent of an angle, to 0..=[`SIDE`] * [`FINE`], nearly in proportion to the angle. It
+/// continues up to |t| = 1.25, and is constant beyond.
 #[inline(always)]
 fn coordinate(tangent: f32) -> i16 {
     let t = tangent.clamp(-1.25, 1.25);

@@ -93,8 +93,8 @@ impl UpdateConfiguration {
         }))
     }
 
-    /// One step faster: every factor above 1 less by one. For what is noticed more readily, such as pursuit
-    /// (paper B, section 6: following an object is worse than fixating).
+    /// One step faster: every factor above 1 less by one. For times when updates are noticed more readily, such as
+    /// pursuit (paper B, section 6: following an object is worse than fixating).
     pub fn faster(self) -> Self {
         Self(self.0.map(|factor| factor.max(2) - 1))
     }
@@ -134,7 +134,7 @@ impl FromStr for UpdateConfiguration {
     }
 }
 
-/// Why an update configuration is not one. Each message ends with what is allowed.
+/// Reason why a text is no update configuration. Each message ends with the allowed values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ConfigurationError {
     /// Not five characters.

@@ -16,10 +16,10 @@ pub fn visible_shift_arcmin(eccentricity_deg: f32) -> f32 {
     1.25 + 1.32 * eccentricity_deg.max(0.0)
 }
 
-/// Smallest change of luminance that is seen, as a share of the luminance around.
+/// Smallest visible change of luminance, as a share of the luminance around.
 ///
-/// What is shown late flickers between two luminances, L and L (1 + c), whose contrast is about c / 2: seen from
-/// c = 2 / sensitivity on, by castleCSF.
+/// Late content flickers between two luminances, L and L (1 + c), whose contrast is about c / 2: visible from c = 2 /
+/// sensitivity on, by castleCSF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisibleChange {
     sensitivity: SensitivityFall,
@@ -46,17 +46,17 @@ impl VisibleChange {
     }
 }
 
-/// From when on, for how long, and how much is refreshed. The numbers are our choice.
+/// Threshold, duration and limit of refreshes. The numbers are our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RefreshSettings {
     /// Change in units of [`VisibleChange`], above which a cell is refreshed.
     pub change: f32,
-    /// Share of the tiles that were looked at whose change makes a scene cut, 0..=1.
+    /// Share of changed tiles among the compared ones that makes a scene cut, 0..=1.
     pub cut_share: f32,
     /// Most cells that are refreshed beyond the schedule in one frame ([`super::CellAges::finish`]).
     pub limit_cells: usize,
-    /// For how many frames after its last visible change a cell is refreshed: longer than any period, so that it was looked at
-    /// again by then.
+    /// Number of frames after its last visible change for which a cell is refreshed: longer than any period, so that it was
+    /// compared again by then.
     pub hold_frames: u8,
 }
 

@@ -210,7 +210,7 @@ fn four<'a, T>(upper: &'a [T], lower: &'a [T], count: usize) -> [&'a [T]; 4] {
     [&upper[..count], &upper[1..=count], &lower[..count], &lower[1..=count]]
 }
 
-/// 1 to 3 lines of cells: by how many they are more than one in the lowest bits, and above them the first line, counted through all faces.
+/// 1 to 3 lines of cells: their number minus one in the lowest bits, and above them the first line, counted through all faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LineSpan(u16);
 
@@ -233,7 +233,7 @@ impl LineSpan {
     }
 }
 
-/// 1 to 3 columns of cells of a face: the first one in the lowest bits, and above them by how many they are more than one.
+/// 1 to 3 columns of cells of a face: the first one in the lowest bits, and above them their number minus one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ColumnSpan(u8);
 
@@ -248,7 +248,7 @@ impl ColumnSpan {
         u32::from(self.0) % (1 << Self::COLUMN_BITS)
     }
 
-    /// By how many columns it is more than one.
+    /// Number of columns minus one.
     #[inline]
     pub(super) fn wider(self) -> u32 {
         u32::from(self.0) >> Self::COLUMN_BITS

@@ -103,7 +103,7 @@ impl Stream {
         });
     }
 
-    /// Begins anew with the same stream: sound from before a pause does not belong to the sound after it.
+    /// Starts again with the same stream: sound from before a pause does not belong to the sound after it.
     fn forget(&mut self, shared: &Shared) {
         let format = self.begun.format;
         let settings = &shared.settings.features;

@@ -6,8 +6,8 @@
 //! publishes those ([`published`]) for threads that must not wait.
 //!
 //! # Privacy
-//! Samples are in the ring and in the windows of the features, nowhere else, and never in a file. What is heard is what the
-//! system plays: never a microphone.
+//! Samples are in the ring and in the windows of the features, nowhere else, and never in a file. Only sound that the system plays is
+//! captured: never a microphone.
 
 // Unsafe code stays within one module.
 #![deny(unsafe_code)]

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
-/// Most lines that wait; a log that nobody reads does not grow.
+/// Most lines that wait: without a reader the log does not grow.
 const MOST: usize = 16;
 
 /// Lines in their order.

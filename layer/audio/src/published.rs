@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering, fence};
 /// nanoseconds.
 const TRIES: u32 = 8;
 
-/// Features, and how far they can be relied on.
+/// Features, and their reliability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Set {
     /// Counts sets, from 1.
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicBool, AtomicUsize};
 
-    /// A set whose parts all say the same number.
+    /// A set with the same number in all parts.
     fn numbered(number: u64) -> Set {
         let value = number as f32;
         let features = AudioFeatures {

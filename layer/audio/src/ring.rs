@@ -31,7 +31,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Writes samples, of full scale 1. What does not fit is lost, and counted.
+    /// Writes samples, of full scale 1. Samples that do not fit are lost, and counted.
     pub fn write(&mut self, samples: impl ExactSizeIterator<Item = f32>) {
         let count = samples.len();
         let room = self.producer.slots().min(count);

@@ -71,7 +71,7 @@ impl Shared {
         }
     }
 
-    /// Sets whether nobody can hear the sound, whatever it is.
+    /// Sets whether the sound is muted, regardless of its samples.
     pub fn set_muted(&self, is_muted: bool) {
         self.is_muted.store(is_muted, Ordering::Relaxed);
     }

@@ -53,11 +53,11 @@ impl<R: Read + Seek> Wav<R> {
         self.format
     }
 
-    /// Puts the next samples, of full scale 1, into `piece`, of as many as `frames` frames: fewer at the file's end, after which it begins
-    /// anew. Returns how many frames those are.
+    /// Puts the next samples, of full scale 1, into `piece`: at most `frames` frames, fewer at the file's end, after which it starts again.
+    /// Returns the number of frames.
     ///
     /// # Errors
-    /// [`WavError::File`], also where samples are wider than 32 bits.
+    /// [`WavError::File`], also if samples are wider than 32 bits.
     pub fn read(&mut self, frames: u32, piece: &mut Vec<f32>) -> Result<u32, WavError> {
         let frames = frames.min(self.frames - self.position);
         let count = frames as usize * self.format.channels as usize;
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    /// A file of 16-bit samples, whose header says so much.
+    /// A file of 16-bit samples, with these values in its header.
     fn file(sample_rate_hz: u32, channels: u16, valid_bits: u16, samples: &[i16]) -> Cursor<Vec<u8>> {
         let data = 2 * samples.len() as u32;
         let block = 2 * u32::from(channels);
@@ -129,7 +129,7 @@ mod tests {
         assert_eq!(piece, [0.5, -0.5]);
     }
 
-    /// Nothing is made as large as such a header says, and no bit is shifted out of a number.
+    /// No buffer gets as large as such a header states, and no bit is shifted out of a number.
     #[test]
     fn headers_that_no_device_has_are_refused() {
         let told = |sample_rate_hz, channels, bits| {

@@ -5,7 +5,7 @@
 
 /// Cores on which the calling thread may run.
 pub struct Cores {
-    /// As the process, or its user (`taskset`), has set them; `None` where the system does not tell.
+    /// As the process, or its user (`taskset`), has set them; `None` if the system does not report them.
     allowed: Option<libc::cpu_set_t>,
 }
 
@@ -34,7 +34,7 @@ impl Cores {
     }
 }
 
-/// The core on which the calling thread runs; `None` where the system does not tell.
+/// The core on which the calling thread runs; `None` if the system does not report it.
 pub fn current_core() -> Option<u32> {
     // SAFETY: has no precondition.
     u32::try_from(unsafe { libc::sched_getcpu() }).ok()

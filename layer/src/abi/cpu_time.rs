@@ -1,6 +1,6 @@
 //! CPU time, from the operating system.
 
-/// CPU time that all threads of this process have spent, nanoseconds; none where the system does not tell.
+/// CPU time that all threads of this process have spent, nanoseconds; `None` if the system does not report it.
 pub fn process_cpu_ns() -> Option<u64> {
     let mut now = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: the structure is valid to write to.

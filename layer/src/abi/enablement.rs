@@ -3,16 +3,15 @@
 use std::ffi::OsStr;
 use std::fmt;
 
-/// The request for the layer, as an instance is created. That the loader called us at all is the request: its manifest is implicit and
-/// names `PARAFOVEA=1`, or somebody named the layer.
+/// The request for the layer, as an instance is created. The loader's call of the layer is the request: the manifest is implicit and names
+/// `PARAFOVEA=1`, or the layer was enabled by name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Enablement {
     /// Wanted.
     Enabled,
     /// `DISABLE_PARAFOVEA` is set, to any value: the loaders read a manifest's `disable_environment` so.
     Disabled,
-    /// The process runs with elevated rights (`AT_SECURE`); nobody may enable anything there through the
-    /// environment.
+    /// The process runs with elevated rights (`AT_SECURE`); its environment must not enable anything.
     Elevated,
 }
 

@@ -78,7 +78,7 @@ pub fn attempt(call: &'static str, step: impl FnOnce()) {
     }
 }
 
-/// The calls that panicked: each is told of once.
+/// The calls that panicked: each is reported once.
 static REPORTED: Mutex<Vec<&'static str>> = Mutex::new(Vec::new());
 
 /// Logs a panic. Dropping the payload, and logging, may panic again: neither gets out.

@@ -19,7 +19,7 @@ pub struct Header {
 ///
 /// The type is `repr(C)` and starts as [`Header`] does; a structure whose type is [`Structure::number`] is one.
 pub unsafe trait Structure {
-    /// The number that says so.
+    /// Number of the structure's type (`VkStructureType`, `XrStructureType`).
     fn number() -> i32;
 }
 
@@ -70,7 +70,7 @@ impl<'a> Chain<'a> {
     }
 }
 
-/// A structure that is out of its chain until this is dropped: for a call down to somebody who does not know it.
+/// A structure that is out of its chain until this is dropped: for a call to a layer or runtime that does not know it.
 #[derive(Debug)]
 pub struct Unlinked<T> {
     link: *mut *mut Header,
@@ -81,7 +81,7 @@ pub struct Unlinked<T> {
 ///
 /// # Safety
 ///
-/// `first` points to null or to the first structure of a chain as for [`chain`], which stays valid, and which nobody else uses while the
+/// `first` points to null or to the first structure of a chain as for [`chain`], which stays valid, and is not used elsewhere while the
 /// result lives.
 pub unsafe fn unlink<T: Structure>(first: *mut *mut c_void) -> Option<Unlinked<T>> {
     let mut link: *mut *mut Header = first.cast();

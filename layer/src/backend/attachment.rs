@@ -1,8 +1,8 @@
 //! The rate attachment: render passes and pipelines obey a map of shading rates (`VK_KHR_fragment_shading_rate`).
 //!
-//! *Attach by candidate, decide by content*: what the application creates and records is rewritten from its creation
-//! on, so that its colour passes carry a rate attachment and its pipelines obey it; which rates there are is a
-//! question of the rate images' content, and without more all of it is 1x1, which changes nothing.
+//! *Attach by candidate, decide by content*: the application's objects and commands are rewritten from their creation on, so that its
+//! colour passes carry a rate attachment and its pipelines obey it. The content of the rate images decides the rates: by default all of it
+//! is 1x1, which changes nothing.
 
 pub mod attach;
 pub mod capabilities;

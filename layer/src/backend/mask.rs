@@ -73,7 +73,7 @@ pub struct Masks {
     is_cpu: bool,
     /// Whether a pass has had a template.
     has_template: AtomicBool,
-    /// Asked for with the first mask; nothing where there is no device to compile on.
+    /// Requested with the first mask; `None` if there is no device to compile on.
     kernels: Mutex<Option<Later<MaskKernels>>>,
     /// Kernels for images of several samples, requested with the first mask of a pass that draws to such an image.
     sample_kernels: Table<SampleKind, Arc<Later<SampleKernel>>>,
@@ -97,7 +97,7 @@ pub struct Masks {
     /// The colour of passes that go on with depth of several samples which an earlier pass without colour has cleared, by that depth, and how
     /// many passes of the command buffer cleared it before.
     chains: Table<(ImageKey, u32), Target>,
-    /// Whether an application's pipeline has dynamic state that pipelines of ours would change, and nobody could restore.
+    /// Whether an application's pipeline has dynamic state that pipelines of ours would change and that could not be restored.
     extends_dynamic: AtomicBool,
 }
 
@@ -177,7 +177,7 @@ impl Masks {
         drop(self.chains.remove_where(|(depth, _), color| *depth == image || color.image == image));
     }
 
-    /// Destroys all that is ours: the device is about to be destroyed. What is still named is never destroyed.
+    /// Destroys all objects of ours: the device is about to be destroyed. Objects that are still referenced are never destroyed.
     ///
     /// # Safety
     ///

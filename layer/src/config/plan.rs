@@ -104,7 +104,7 @@ pub fn wants_maps(config: &Config) -> bool {
     config.enabled && config.rates.backend != RatesBackend::Off && has_technique
 }
 
-/// Whether the configuration asks for pictures that are not rendered anew in each frame.
+/// Whether the configuration asks for passes to re-use earlier frames' pictures.
 pub fn wants_reuse(config: &Config) -> bool {
     wants_maps(config) && config.reuse.mode != ReuseMode::Off
 }

@@ -6,7 +6,7 @@ use ash::vk;
 
 /// A command buffer that the application is recording, outside of any render pass.
 ///
-/// Of its state, only what is bound for compute is changed: pipeline and descriptor set 0; but for [`AppCommands::draw_samples`].
+/// Of its state, only the compute bindings change: pipeline and descriptor set 0; except by `draw_depth` and [`AppCommands::draw_samples`].
 pub struct AppCommands<'a> {
     gpu: &'a Gpu,
     commands: vk::CommandBuffer,
@@ -101,9 +101,9 @@ impl<'a> AppCommands<'a> {
     /// Adds to `commands`.
     ///
     /// # Safety
-    /// `commands` is a primary command buffer of the device of `gpu` that is being recorded, outside of a render pass,
-    /// by nobody else during the life of the result, for a queue that can draw and compute. The images that the methods
-    /// are given are live, and so are they and all of ours until its last submission has finished.
+    /// `commands` is a primary command buffer of the device of `gpu`, for a queue that can draw and compute. It is being recorded, outside
+    /// of a render pass, and not elsewhere during the life of the result. Images passed to the methods are live; they and all objects of
+    /// ours stay so until its last submission has finished.
     pub unsafe fn new(gpu: &'a Gpu, commands: vk::CommandBuffer) -> Self {
         Self { gpu, commands }
     }
@@ -243,8 +243,8 @@ impl<'a> AppCommands<'a> {
         unsafe { target.draw(&self.gpu.device, self.commands, layout.handle(), set.handle()) };
     }
 
-    /// Draws to images of several samples, in the order that the caller's barriers say. What is bound for drawing changes: pipeline,
-    /// descriptor set 0, viewport and scissor 0.
+    /// Draws to images of several samples, ordered by the caller's barriers. The bound graphics state changes: pipeline, descriptor set 0,
+    /// viewport and scissor 0.
     pub(crate) fn draw_samples(
         &self,
         target: &SampleTarget,
@@ -295,8 +295,8 @@ impl<'a> AppCommands<'a> {
         self.memory_barrier(BUFFER_COPIES, PARAMETERS);
     }
 
-    /// Writes words to a buffer at an offset in bytes, a multiple of 4, at most 16,384 of them: a transfer, in the order that the
-    /// caller's barriers say.
+    /// Writes words to a buffer at an offset in bytes, a multiple of 4, at most 16,384 of them: a transfer, ordered by the caller's
+    /// barriers.
     pub(crate) fn update_words(&self, to: vk::Buffer, offset: u64, words: &[u32]) {
         // SAFETY: the command buffer is being recorded outside of a render pass, and the buffer is live, as `new` demands.
         unsafe {
@@ -304,7 +304,7 @@ impl<'a> AppCommands<'a> {
         }
     }
 
-    /// Writes one word all over a buffer: a transfer, in the order that the caller's barriers say.
+    /// Writes one word all over a buffer: a transfer, ordered by the caller's barriers.
     pub(crate) fn fill_words(&self, to: vk::Buffer, word: u32) {
         // SAFETY: the command buffer is being recorded outside of a render pass, and the buffer is live, as `new` demands.
         unsafe { self.gpu.device.cmd_fill_buffer(self.commands, to, 0, vk::WHOLE_SIZE, word) };
@@ -328,7 +328,7 @@ impl<'a> AppCommands<'a> {
         }
     }
 
-    /// Runs as many workgroups as three words of the arguments say, a buffer and an offset in bytes, a multiple of 4.
+    /// Runs the number of workgroups in three words at the arguments: a buffer and an offset in bytes, a multiple of 4.
     pub(crate) fn dispatch_indirect(
         &self,
         layout: &ComputeLayout,

@@ -1,8 +1,8 @@
-//! Every image barrier that we record, by name, so that tests can leave out each one and expect to be told.
+//! Every image barrier that we record, by name, so that tests can leave out each one and expect an error.
 //!
-//! The images of both sides are COLOR_ATTACHMENT_OPTIMAL outside of our work, those of depth DEPTH_STENCIL_ATTACHMENT_OPTIMAL, as
-//! OpenXR has it (XR_KHR_vulkan_enable, "Swapchain Image Layout"): written by what came earlier on the same queue, read by
-//! what comes later; [`ImageBarrier::left_in`] has other layouts. No two barriers have the same layouts and stages.
+//! Outside of our work, images of both sides are COLOR_ATTACHMENT_OPTIMAL, and depth images DEPTH_STENCIL_ATTACHMENT_OPTIMAL, as OpenXR
+//! requires (XR_KHR_vulkan_enable, "Swapchain Image Layout"): written by earlier commands on the same queue, read by later ones;
+//! [`ImageBarrier::left_in`] has other layouts. No two barriers have the same layouts and stages.
 
 use ash::vk;
 use vk::{AccessFlags as Access, ImageLayout as Layout, PipelineStageFlags as Stage};

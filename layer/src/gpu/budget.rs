@@ -5,7 +5,7 @@ use ash::vk;
 use std::ffi::CStr;
 use std::mem::transmute;
 
-/// The question for the budget, of a device that has the extension. It belongs to the physical device, so that nobody has to enable it.
+/// The budget query of a device that has the extension. It belongs to the physical device, so that it need not be enabled.
 pub(super) struct MemoryBudget(vk::PFN_vkGetPhysicalDeviceMemoryProperties2);
 
 impl MemoryBudget {

@@ -47,7 +47,7 @@ pub(super) struct CommandRing {
     slots: [Slot; SUBMITS_IN_FLIGHT],
     /// Number of the last submit; they count from 1.
     last_submit: u64,
-    /// Whether a submit was waited for in vain: until it has finished, nobody waits for it again.
+    /// Whether the wait for a submit timed out: until it has finished, it is not waited for again.
     is_behind: bool,
     times: SubmitTimes,
 }
@@ -304,7 +304,7 @@ impl CommandRing {
 /// Waits until a device does nothing any more, or is lost; whether it is so.
 ///
 /// # Safety
-/// The device is live, and nobody else uses any of its queues.
+/// The device is live, and none of its queues is used elsewhere.
 pub(crate) unsafe fn wait_device(device: &ash::Device) -> bool {
     // SAFETY: the device is live and its queues are free, as `# Safety` demands.
     let result = unsafe { device.device_wait_idle() };

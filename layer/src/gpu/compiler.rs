@@ -77,9 +77,9 @@ impl Compiler {
         Self { work: Arc::new(Work { record: *record, compilation, queue }), is_at_once }
     }
 
-    /// Has something made. If that fails, the log says that `otherwise` holds.
+    /// Requests an object. If it cannot be made, the log states `otherwise`.
     ///
-    /// What `make` owns lives until it was made or is not wanted any more, at the latest when the result is dropped.
+    /// Objects that `make` owns live until the requested one is made or not wanted any more, at the latest until the result is dropped.
     pub(crate) fn ask<T: Send + Sync + 'static>(
         self: &Arc<Self>,
         otherwise: &'static str,
@@ -112,7 +112,7 @@ impl Compiler {
         }
     }
 
-    /// Says that the device is about to be destroyed: nothing more is made, and the thread has ended after this.
+    /// Notes that the device is about to be destroyed: nothing more is made, and the thread has ended after this.
     pub(crate) fn end(&self) {
         // What the thread made may have been the last to name the compiler.
         if let Some(thread) = self.stop().filter(|thread| thread.thread().id() != current().id()) {

@@ -34,7 +34,7 @@ pub(crate) struct DepthTarget {
 
 impl DepthTarget {
     /// Makes the image, whose content is undefined, and a pipeline of two entry points of a module of SPIR-V, for vertices and for
-    /// fragments, which draws all fragments but those that the latter discards.
+    /// fragments, which draws all fragments that the latter does not discard.
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         layout: &ComputeLayout,

@@ -28,8 +28,7 @@ const TEXTURE: [vk::DescriptorType; 2] = [vk::DescriptorType::SAMPLED_IMAGE, vk:
 /// Most bindings of a set.
 const MOST_BINDINGS: usize = 3;
 
-/// Layout of a set with these bindings. Layouts made alike are compatible, so nobody needs to share them, but a pipeline
-/// layout keeps its own.
+/// Layout of a set with these bindings. Identical layouts are compatible, so they need not be shared, but a pipeline layout keeps its own.
 fn layout(
     gpu: &Arc<Gpu>,
     kinds: &[vk::DescriptorType],

@@ -53,7 +53,7 @@ impl DeviceBuffer {
         })
     }
 
-    /// Makes a buffer of `size` bytes, at least 1, where the device is fastest. What it holds is not defined.
+    /// Makes a buffer of `size` bytes, at least 1, where the device is fastest. Its content is undefined.
     pub(crate) fn without_content(
         gpu: &Arc<Gpu>,
         usage: vk::BufferUsageFlags,

@@ -119,7 +119,7 @@ impl CompatiblePass {
     /// Takes ownership.
     ///
     /// # Safety
-    /// The render pass was made on the device of `gpu`, and is nobody else's to destroy.
+    /// The render pass was created on the device of `gpu`, and is not destroyed elsewhere.
     pub(crate) unsafe fn new(gpu: &Arc<Gpu>, handle: vk::RenderPass) -> Self {
         // SAFETY: the render pass is of this device and nobody else's to destroy, as `# Safety` demands.
         Self(unsafe { Owned::new(gpu, handle, |device, handle| device.destroy_render_pass(handle, None)) })
@@ -131,7 +131,7 @@ impl CompatiblePass {
     }
 }
 
-/// Makes a pipeline as `info` says, whose stages get modules of this code, one each.
+/// Makes the pipeline of `info`, whose stages get modules of this code, one each.
 ///
 /// # Safety
 /// But for its modules, `info` is valid (valid usage of vkCreateGraphicsPipelines) on the device of `gpu`, and so is the code.

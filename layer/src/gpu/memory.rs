@@ -62,7 +62,7 @@ impl Gpu {
         self.memory_used.load(Ordering::Relaxed)
     }
 
-    /// Memory of a heap that the system still has for this process, bytes; `None` if the device does not say (VK_EXT_memory_budget).
+    /// Memory of a heap that the system still has for this process, bytes; `None` if the device does not report it (VK_EXT_memory_budget).
     pub(crate) fn remaining_memory(&self, heap: u32) -> Option<u64> {
         // SAFETY: the physical device is one of this live instance.
         unsafe { self.budget.as_ref()?.remaining(self.physical_device, heap) }

@@ -19,8 +19,8 @@ impl<H: Handle> Owned<H> {
     /// Takes ownership.
     ///
     /// # Safety
-    /// `handle` was created on the device of `gpu`, is nobody else's to destroy, and `destroy` destroys objects
-    /// of its type. Whoever keeps the result drops it only when no command buffer uses it any more.
+    /// `handle` was created on the device of `gpu`, is not destroyed elsewhere, and `destroy` destroys objects of its type. The owner of
+    /// the result drops it only when no command buffer uses it any more.
     pub(super) unsafe fn new(gpu: &Arc<Gpu>, handle: H, destroy: unsafe fn(&ash::Device, H)) -> Self {
         Self { gpu: Arc::clone(gpu), handle, destroy }
     }

@@ -99,8 +99,8 @@ impl SampleTarget {
     /// Draws three vertices to each layer, with one of the sets, the last one where they are too few.
     ///
     /// # Safety
-    /// The command buffer is being recorded outside of a render pass, for a queue that draws; `pass`, `layout` and the sets are those that
-    /// this was made with, or have the same layout.
+    /// The command buffer is being recorded outside of a render pass, for a queue that draws; `pass`, `layout` and the sets are the ones
+    /// that this was made with, or have the same layout.
     pub(super) unsafe fn draw(
         &self,
         device: &ash::Device,

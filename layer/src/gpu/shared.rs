@@ -1,6 +1,6 @@
 //! Shared state of sessions on one device: objects that depend on no image and no queue.
 //!
-//! Some drivers keep memory for each pipeline that was ever made, so those of a session that has ended serve the next one.
+//! Some drivers keep memory for each pipeline that was ever made, so the pipelines of an ended session serve the next one.
 
 use super::commands::wait_device;
 use super::compare::Comparison;
@@ -85,8 +85,8 @@ impl Shared {
         }))
     }
 
-    /// Says that the device is about to be destroyed, when the application has nothing under way on it: destroys all shared and all left
-    /// objects. Where somebody still works with it, nothing is destroyed, and nothing is done for them any more.
+    /// Notes that the device is about to be destroyed, while the application has no work in progress on it: destroys all shared and all
+    /// left objects. If this still has users, nothing is destroyed, and no more work is done for them.
     pub fn end(&self) {
         self.has_ended.store(true, Ordering::Relaxed);
         self.compiler.end();
@@ -134,7 +134,7 @@ impl Shared {
         self.gpu.abandon();
     }
 
-    /// Has an object made of the shared ones. If that fails, the log says that `otherwise` holds.
+    /// Requests a shared object. If it cannot be made, the log states `otherwise`.
     pub(crate) fn ask<T: Send + Sync + 'static>(
         self: &Arc<Self>,
         otherwise: &'static str,

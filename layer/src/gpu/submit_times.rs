@@ -1,4 +1,4 @@
-//! The GPU time of our submits: a timestamp ahead of each one's commands and one behind them, while somebody asks for it.
+//! The GPU time of our submits: a timestamp ahead of each one's commands and one behind them, while it is requested.
 
 use super::{GpuError, SUBMITS_IN_FLIGHT};
 use ash::vk;
@@ -18,13 +18,13 @@ const DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
 
 /// The times of a ring of command buffers. Allocates nothing as long as they are taken.
 pub(super) struct SubmitTimes {
-    /// Two queries for each command buffer; null until somebody asks.
+    /// Two queries for each command buffer; null until times are requested.
     pool: vk::QueryPool,
     /// Bits of a timestamp that hold; 0: there are none.
     mask: u64,
     /// Nanoseconds of a step.
     step_ns: f64,
-    /// The frame that submits belong to; nothing while nobody asks.
+    /// The frame that submits belong to; `None` while times are not requested.
     frame: Option<u64>,
     /// The frame of each command buffer whose timestamps were not read.
     unread: [Option<u64>; SUBMITS_IN_FLIGHT],
@@ -122,7 +122,7 @@ impl SubmitTimes {
         }
     }
 
-    /// Adds a time; the oldest is dropped where nobody takes them.
+    /// Adds a time; the oldest is dropped if too many were not taken.
     fn add(&mut self, time: SubmitTime) {
         if self.known.len() == 2 * SUBMITS_IN_FLIGHT {
             self.known.remove(0);

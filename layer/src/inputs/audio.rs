@@ -72,7 +72,7 @@ impl AudioInput {
         heard
     }
 
-    /// Nobody wants to know: listens no more.
+    /// Ends the capture, while its features are not wanted.
     pub fn rest(&mut self) {
         self.listening = None;
         #[cfg(debug_assertions)]

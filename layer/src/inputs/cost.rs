@@ -1,11 +1,11 @@
 //! Cost of frames. Time spent, all of it: waiting for the runtime, for a display or for a limiter is not in it.
 //!
 //! Where a CPU renders, that is CPU time of the whole process from the end of one frame to the end of the next ([`CpuCost`]). Frames
-//! overlap, so what a change of one frame does may show in the next; the gate leaves frames out after each change.
+//! overlap, so the effect of a change of one frame may show in the next; the gate leaves frames out after each change.
 //!
-//! On other devices it is the time in which the GPU works on the frame, from the first command to the last on all queues ([`GpuCosts`]), by timestamps that the
-//! Vulkan half writes around the application's command buffers and its own, and the OpenXR half around its work at the end of the frame. It is known some
-//! frames later, and so frames wait for it ([`Late`]).
+//! On other devices it is the time in which the GPU works on the frame, from the first command to the last on all queues ([`GpuCosts`]), by
+//! timestamps that the Vulkan half writes around the application's command buffers and its own, and the OpenXR half around its work at the
+//! end of the frame. It is known some frames later, and so frames wait for it ([`Late`]).
 
 use crate::link::FrameTimeRecord;
 use smallvec::SmallVec;

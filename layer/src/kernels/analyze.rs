@@ -249,12 +249,12 @@ impl Analyze {
         })
     }
 
-    /// Records the analysis of `target`. The picture was written by what was recorded before, and is in `layout` before and
-    /// after. What the tiles hold is ordered between calls, and before later compute shaders on this queue.
+    /// Records the analysis of `target`. The picture was written by commands recorded before, and is in `layout` before and after. The
+    /// content of the tiles is ordered between calls, and before later compute shaders on this queue.
     ///
-    /// `same_view`: how many analyses directly before this one, in the same levels and tiles and by the same parameters, were of the view
-    /// that this picture shows. Only then is it worth asking whether it is the same picture, shaded at the same rates; once it has been so for
-    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, nothing but that is done.
+    /// `same_view`: number of analyses directly before this one, in the same levels and tiles and by the same parameters, of the view that
+    /// this picture shows. If there are any, the picture and its rates are compared with those before; once they were the same for
+    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, only the comparison is done.
     pub fn record(
         &self,
         commands: &AppCommands,

@@ -1,7 +1,7 @@
-//! `change`: how much the content of tiles differs from earlier pictures in the same directions.
+//! `change`: difference between the content of tiles and earlier pictures in the same directions.
 //!
-//! Recorded with [`super::compose`], whose earlier pictures it looks at. The host reads the results some frames later, once the
-//! submit has finished: nobody waits for them.
+//! Recorded with [`super::compose`], whose earlier pictures it reads. The host reads the results some frames later, once the submit has
+//! finished, and never waits for them.
 
 pub use parafovea_core::kernels::change::ChangeParams;
 
@@ -108,7 +108,8 @@ impl Change {
         }
     }
 
-    /// Makes room for the comparisons of jobs. What is not enough is replaced, after its last use was waited for, and what it held is lost.
+    /// Makes room for the comparisons of jobs. Buffers that are too small are replaced, after a wait for their last use, and their content
+    /// is lost.
     ///
     /// # Errors
     /// A failed call.
@@ -219,8 +220,7 @@ impl Change {
         }
     }
 
-    /// Hands out the findings since the last call: of each picture its view, the tiles, and how much each of them changed. Waits for
-    /// nothing.
+    /// Hands out the findings since the last call: of each picture its view, the tiles, and the change of each. Does not wait.
     pub(super) fn news(&mut self, mut each: impl FnMut(&View, &[u32], &[f32])) {
         let Self { room, pending, results, gpu, .. } = self;
         let Some(room) = room else { return };

@@ -132,7 +132,7 @@ impl Compose {
         shape::is_color_format(format) && self.gpu.can_compose(format)
     }
 
-    /// Asks for the pipelines of draws to this format; [`Self::attenuates`] says whether they are there.
+    /// Requests the pipelines of draws to this format; [`Self::attenuates`] returns whether they are ready.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] without a queue.
@@ -192,8 +192,8 @@ impl Compose {
     }
 
     /// Hands out the findings of comparisons since the last call, of submits that have finished: of each picture its
-    /// [`ChangeRegion::view`], the compared tiles, and how much each of them changed
-    /// ([`parafovea_core::kernels::change::ChangeParams::change`]). Waits for nothing.
+    /// [`ChangeRegion::view`], the compared tiles, and the change of each ([`parafovea_core::kernels::change::ChangeParams::change`]). Does
+    /// not wait.
     pub fn changes(&mut self, each: impl FnMut(&View, &[u32], &[f32])) {
         if let Changing::There(change) = &mut self.change {
             change.news(each);
@@ -206,9 +206,9 @@ impl Compose {
     /// The runtime's images are COLOR_ATTACHMENT_OPTIMAL before and after, the application's as it left them.
     ///
     /// # Errors
-    /// [`GpuError::Invalid`] when an index, a layer or a shape does not fit, an image is in two jobs, or there
-    /// are more than [`MAX_REGIONS`], or something is to be done for which the pipelines are not there; [`GpuError::Timeout`] when earlier submits hang; a failed call. Then
-    /// nothing was submitted.
+    /// [`GpuError::Invalid`] when an index, a layer or a shape does not fit, an image is in two jobs, or there are more than
+    /// [`MAX_REGIONS`], or something is to be done for which the pipelines are not ready; [`GpuError::Timeout`] when earlier submits hang;
+    /// a failed call. Then nothing was submitted.
     pub fn submit(&mut self, jobs: &[ComposeJob]) -> Result<(), GpuError> {
         check(jobs)?;
         for job in jobs {
@@ -283,7 +283,7 @@ impl Compose {
         }
     }
 
-    /// Room for the lists of a submit. What is not enough is replaced, after its last use was waited for.
+    /// Makes room for the lists of a submit. Buffers that are too small are replaced, after a wait for their last use.
     fn make_room(&mut self, draws: &Draws) -> Result<(), GpuError> {
         let needs_room = draws.reused().next().is_some()
             && self.reuse.as_ref().is_none_or(|reuse| !reuse.fits(draws.reused()));

@@ -1,7 +1,7 @@
 //! `debug_view`: decisions, drawn over pictures that are finished otherwise, when the user asks to see them.
 //!
-//! It is a submit of its own on the session's queue: behind that of [`super::compose`] and what reads the finished pictures besides the
-//! runtime, or, where the runtime's images are the application's, before that returns one.
+//! It is a submit of its own on the session's queue: after the submit of [`super::compose`] and all readers of the finished pictures except
+//! the runtime; or, if the runtime's images are the application's, before the application releases one.
 
 pub use parafovea_core::kernels::debug_view::{DebugView, DebugViewParams, MapShape};
 
@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/debug_view.spv"));
 
-/// Most pictures in one submit: those of two eyes.
+/// Most pictures in one submit: one for each eye.
 pub const MOST_PICTURES: usize = 2;
 
 /// One picture that is drawn over.
@@ -33,7 +33,7 @@ pub struct DebugViewJob<'a> {
     pub array_layer: u32,
     /// The drawn view, if any ([`DebugViewParams::drawn`]); [`DebugViewParams::first_word`] is set by the pass.
     pub params: DebugViewParams,
-    /// The map of its tiles; nothing where that was copied to [`DebugViewPass::place`] on this queue, or none is needed.
+    /// The map of its tiles; `None` if that was copied to [`DebugViewPass::place`] on this queue, or none is needed.
     pub map: Option<&'a [u8]>,
 }
 
@@ -79,8 +79,8 @@ impl DebugViewPass {
         Ok(Self { uses: Uses::new(&gpu), pipelines, maps, has_copies: false, uniforms, gpu })
     }
 
-    /// Makes room for maps of `bytes`, if there is not enough, and says where that of an eye is: the buffer, which may be
-    /// written by copies on this queue, and the offset in bytes.
+    /// Makes room for maps of `bytes`, if there is not enough. Returns the place of an eye's map: the buffer, which may be written by
+    /// copies on this queue, and the offset in bytes.
     ///
     /// # Errors
     /// A failed call, or more than the device takes.
@@ -94,7 +94,7 @@ impl DebugViewPass {
         Ok((maps.buffer.handle(), eye as u64 * u64::from(maps.bytes)))
     }
 
-    /// Says that a copy of so many columns and rows to the [`Self::place`] of an eye was submitted: it ends before the next submit.
+    /// Notes that a copy of `tiles` columns and rows to the [`Self::place`] of an eye was submitted: it ends before the next submit.
     pub fn copied(&mut self, eye: usize, tiles: [u32; 2]) {
         self.has_copies = true;
         if let Some(maps) = &mut self.maps {
@@ -102,12 +102,12 @@ impl DebugViewPass {
         }
     }
 
-    /// Whether a copy of so many columns and rows is there for an eye, and its map need not be written.
+    /// Whether an eye has a copy of `tiles` columns and rows, so that its map need not be written.
     pub fn has_copy(&self, eye: usize, tiles: [u32; 2]) -> bool {
         self.maps.as_ref().is_some_and(|maps| maps.copied[eye] == Some(tiles))
     }
 
-    /// Nobody knows when copies end that nothing was submitted behind: their buffer stays, and is lost.
+    /// Drops the maps. The end of copies without a later submit is unknown: then the buffer is leaked.
     fn let_maps_go(&mut self) {
         let maps = self.maps.take();
         if std::mem::take(&mut self.has_copies) {
@@ -207,7 +207,7 @@ impl DebugViewPass {
         Ok(true)
     }
 
-    /// Whether the pipeline of a picture is there; asks for it the first time.
+    /// Whether the pipeline of a picture is ready; requests it the first time.
     fn prepare(&mut self, job: &DebugViewJob) -> Result<bool, GpuError> {
         let format = job.runtime.shape().format;
         let Some(view) = job.params.drawn() else { return Ok(true) };

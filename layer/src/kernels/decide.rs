@@ -87,8 +87,8 @@ impl Decide {
         Ok(DecideTarget { set, params, stale, _memory: memory, tiles: Arc::clone(tiles) })
     }
 
-    /// Records the decision on the tiles of `target`, of which `stale` are left out ([`parafovea_core::reuse::StaleTiles::words`]): none of them, or all words.
-    /// [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be read by compute shaders.
+    /// Records the decision on the tiles of `target`, of which `stale` are left out ([`parafovea_core::reuse::StaleTiles::words`]): none of
+    /// them, or all words. [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be read by compute shaders.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] where `params` or `stale` are of other tiles, or `params` of no kind; then nothing is recorded.
@@ -121,7 +121,7 @@ impl Decide {
     }
 }
 
-/// Words that say of each tile whether it is left out.
+/// Number of words with one bit for each tile: whether it is left out.
 fn stale_words([columns, rows]: [u32; 2]) -> usize {
     (columns as usize * rows as usize).div_ceil(u32::BITS as usize)
 }

@@ -76,8 +76,8 @@ impl DepthCopy {
         Ok(Self { set, _params: params, words, texel_size, extent, layers })
     }
 
-    /// Records, ahead of a pass that loads `depth`, which is in `layout` before and after, that skipped blocks by `list` are covered with
-    /// the nearest depth. Kernels and list are those of [`Self::new`].
+    /// Records, ahead of a pass that loads `depth`, that the skipped blocks of `list` are covered with the nearest depth. `depth` is in
+    /// `layout` before and after. Kernels and list are the ones passed to [`Self::new`].
     pub fn cover(
         &self,
         commands: &AppCommands,

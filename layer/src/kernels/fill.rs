@@ -1,9 +1,8 @@
 //! `fill`: the skipped blocks of a picture, directly after the pass that drew it.
 //!
-//! The blocks come from a [`SkipBuffer`], which is the argument of the dispatch too. They are filled in a copy of ours,
-//! which goes back to the picture: the application's image needs nothing but to be copied, whatever its format can
-//! store. The copy holds the bits of a texel (`R32_UINT`), so that every format of 32 bits can be filled on every device;
-//! half floats are in their own format.
+//! The blocks come from a [`SkipBuffer`], which is the argument of the dispatch too. They are filled in a copy of ours, which is copied
+//! back to the picture: the application's image needs no usage but transfers, even if its format has no storage support. The copy holds the
+//! bits of a texel (`R32_UINT`), so that every format of 32 bits can be filled on every device; half floats are in their own format.
 
 pub use parafovea_core::kernels::fill::FillFormat;
 
@@ -66,8 +65,8 @@ pub struct Fill {
     gpu: Arc<Gpu>,
 }
 
-/// A skip list on the GPU. It belongs to one kind of pass of the application; what it lists may change between two
-/// submits, by a copy to [`SkipBuffer::handle`].
+/// A skip list on the GPU. It belongs to one kind of pass of the application; its content may change between two submits, by a copy to
+/// [`SkipBuffer::handle`].
 pub struct SkipBuffer {
     buffer: DeviceBuffer,
     words: usize,
@@ -173,8 +172,8 @@ impl Fill {
         Ok(FillTarget { set, _view: view, copy, format: kind, extent, layers })
     }
 
-    /// Records the fill of `picture`, whose first layer is the list's layer 0, through `target`, by `list`, the one that
-    /// `target` was made with. The picture was drawn by what was recorded before, and is in `layout` before and after.
+    /// Records the fill of `picture`, whose first layer is the list's layer 0, through `target`, by `list`, the one that `target` was made
+    /// with. The picture was drawn by commands recorded before, and is in `layout` before and after.
     pub fn record(
         &self,
         commands: &AppCommands,

@@ -83,7 +83,7 @@ impl MaskPass {
     /// that serves all. Where two of `views`, each in an array layer, overlap, the first one counts.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] for what the kernel cannot serve; a failed call.
+    /// [`GpuError::Unsupported`] for a mask that the kernel cannot generate; a failed call.
     pub fn target(
         &self,
         map: Arc<dyn MaskOutput>,

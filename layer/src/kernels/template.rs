@@ -24,11 +24,11 @@ pub struct TemplateImage {
 }
 
 impl TemplateImage {
-    /// Prepares to draw the template that the storage buffer `words`, which outlives the result, holds as `params` say, to an image of this format
-    /// and these samples.
+    /// Prepares to draw the template in the storage buffer `words`, which outlives the result, to an image of this format and these
+    /// samples. `params` describes the template.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] where there is no such image; a failed call.
+    /// [`GpuError::Unsupported`] if there is no such image; a failed call.
     pub fn new(
         gpu: &Arc<Gpu>,
         (format, samples): (vk::Format, vk::SampleCountFlags),

@@ -4,7 +4,7 @@ use ash::vk;
 use parafovea_core::kernels::decide::DecideParams;
 use std::ffi::c_void;
 
-/// [`CapabilitiesRecord::backend`]: nothing can be made coarser on this device; the log says why.
+/// [`CapabilitiesRecord::backend`]: nothing can be made coarser on this device; the log has the reason.
 pub const BACKEND_NONE: u32 = 0;
 /// [`CapabilitiesRecord::backend`]: a rate attachment (`VK_KHR_fragment_shading_rate`).
 pub const BACKEND_RATE_ATTACHMENT: u32 = 1;
@@ -29,8 +29,8 @@ pub struct CapabilitiesRecord {
     pub is_cpu: u32,
 }
 
-/// The images of a swapchain, as the application has them: the runtime's, or ours where it is substituted. Told after
-/// they are first known, and again with no images when the swapchain is about to be destroyed.
+/// The images of a swapchain, as the application has them: the runtime's, or ours if it is substituted. Sent after they are first known, and
+/// again with no images when the swapchain is about to be destroyed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct SwapchainRecord {
@@ -74,7 +74,7 @@ pub struct EyeMapRecord {
     pub extent: [u32; 2],
     /// Size of a tile, pixels; the first tile begins at pixel 0, 0.
     pub texel: [u32; 2],
-    /// Number of tiles, columns and rows: those that it takes to cover `extent`.
+    /// Number of tiles that cover `extent`, columns and rows.
     pub tiles: [u32; 2],
     /// A byte for each tile, row by row, top row first: a texel of a rate image (`ShadingRate::texel`), and the bit `STALE`
     /// where the tile need not be rendered at all. Where the rates are to be decided on the GPU and cannot be, these hold.
@@ -123,9 +123,9 @@ pub struct PictureRecord {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct FrameStart {
-    /// The settings, or null where they stay.
+    /// The settings, or null if they stay.
     pub settings: *const SettingsRecord,
-    /// The newest plan, or null where the last one stays.
+    /// The newest plan, or null if the last one stays.
     pub plan: *const PlanRecord,
     /// The pending plan of this frame, or null for none.
     pub awaited: *const AwaitedPlan,
@@ -153,8 +153,8 @@ pub struct FrameReportRecord {
     pub frame: u64,
     /// Number of passes that were recognised and had the plan's rates.
     pub passes_with_rates: u32,
-    /// A number that tells the set of passes that were recognised as an eye's image, whether rates are on or not, from other sets;
-    /// 0: there was none.
+    /// Number that distinguishes the set of passes recognised as an eye's image, whether rates are on or not, from other sets; 0: there was
+    /// none.
     pub eye_passes: u32,
     /// Whether passes read images of eyes of earlier frames: [`Feedback::number`](crate::pass_detection::Feedback::number).
     pub feedback: u32,
@@ -209,7 +209,7 @@ pub struct ShownRecord {
 /// [`ShownViewRecord::eye`] of a view that is neither eye's whole picture, such as an inset of quad views.
 pub const NO_EYE: u32 = 2;
 
-/// [`ShownViewRecord::image_index`] where it is not known which image was released last.
+/// [`ShownViewRecord::image_index`] if the image released last is unknown.
 pub const NO_IMAGE: u32 = u32::MAX;
 
 /// One view of a projection layer.
@@ -268,7 +268,7 @@ pub struct RatesCopyRecord {
     pub eye: u32,
     /// Family and index of the queue that the copy is submitted to, and which this thread may use now.
     pub queue: [u32; 2],
-    /// Columns and rows of the tiles; nothing is copied where they are others.
+    /// Columns and rows of the tiles; nothing is copied if they differ.
     pub tiles: [u32; 2],
     /// A buffer that may be copied to, and lives until a later submit to that queue has finished. Fragment shaders may be reading it.
     pub buffer: vk::Buffer,

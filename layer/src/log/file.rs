@@ -5,8 +5,8 @@ use std::io::Write;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::Path;
 
-/// The file starts anew when it is found larger than this, and a process stops writing after as much:
-/// 1 MiB, so a log never holds more than 2 MiB.
+/// The file is emptied if it is larger than this when opened, and a process stops writing after as much: 1 MiB, so a log never holds more
+/// than 2 MiB.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Appended to by any number of processes.

@@ -40,7 +40,7 @@ pub struct Target {
     pub layers: u32,
 }
 
-/// Something that a command buffer does, as far as it says where a picture comes from.
+/// An action of a command buffer that matters for the origin of a picture.
 #[allow(clippy::large_enum_variant, reason = "steady recording allocates nothing, so nothing is boxed")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
@@ -65,7 +65,7 @@ pub struct Pass {
     pub view_mask: u32,
     /// Facts that limit a backend.
     pub facts: PassFacts,
-    /// Why it was recorded without a mask; nothing where it has one, or where the device masks nothing.
+    /// Reason for recording it without a mask; `None` if it has one, or if the device masks nothing.
     pub unmasked: Option<Unmasked>,
     /// Its draws; `None` where they are not followed.
     pub draws: Option<Draws>,
@@ -73,7 +73,7 @@ pub struct Pass {
 
 /// The draws of a pass.
 ///
-/// Descriptor sets tell the reads of a draw. Images that are never attachments are left out: their content comes from no pass.
+/// The reads of a draw come from its descriptor sets. Images that are never attachments are left out: their content comes from no pass.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Draws {
     /// Draws of one triangle or two, of one instance or one for each eye: at most [`Draws::QUAD_VERTICES`] vertices, known to the CPU.
@@ -115,7 +115,7 @@ pub struct Reads {
 }
 
 impl Reads {
-    /// Images that are told apart.
+    /// Most images that are listed one by one.
     pub const MOST: usize = 8;
 
     /// Adds an image.
@@ -155,7 +155,7 @@ pub struct PassFacts {
     pub has_own_rates: bool,
     /// Part of suspended and resumed rendering.
     pub is_suspended: bool,
-    /// It has a mask that may leave tiles out, but nothing after it fills those that are coarse.
+    /// It has a mask that may leave tiles out, but no fill of coarse tiles follows it.
     pub is_unfilled: bool,
 }
 

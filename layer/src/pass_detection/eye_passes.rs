@@ -1,17 +1,17 @@
-//! The set of passes that show an eye, by which the benefit gate tells one scene from another.
+//! The set of passes that show an eye, by which the benefit gate distinguishes scenes.
 
 use super::{ImageDescription, Pass};
 use ash::vk;
 use smallvec::SmallVec;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// More kinds of passes than a frame's eyes have: those beyond tell nothing apart.
+/// More kinds of passes than a frame's eyes have: further ones are ignored.
 const MOST: usize = 16;
 
 /// The kinds of passes that show an eye in one frame.
 ///
-/// A kind is by what stays from frame to frame: images change in many applications, sizes with dynamic resolution, and the number
-/// of passes wherever one is interrupted by a copy. Passes of one kind are one element of the set, however many they are.
+/// Kinds depend only on properties that stay from frame to frame: images change in many applications, sizes with dynamic resolution, and
+/// the number of passes wherever one is interrupted by a copy. Passes of one kind are one element of the set, regardless of their number.
 #[derive(Clone, Debug, Default)]
 pub struct EyePasses {
     /// In their order, each once.
@@ -46,7 +46,7 @@ impl EyePasses {
         }
     }
 
-    /// A number that tells this set from others; 0: it is empty.
+    /// Hash of this set; 0: it is empty.
     pub fn number(&self) -> u32 {
         if self.kinds.is_empty() { 0 } else { hash(&self.kinds).max(1) }
     }

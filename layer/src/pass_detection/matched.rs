@@ -59,7 +59,7 @@ pub enum How {
     Transferred,
     /// Its content becomes the picture of an eye by full-screen passes, as far as these can be followed, and it looks like one.
     Shape,
-    /// The profile says so.
+    /// A rule of the profile.
     Profile,
 }
 

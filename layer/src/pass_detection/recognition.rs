@@ -1,8 +1,7 @@
 //! Recognition: from events and submissions of earlier frames, the passes that are the scene, and their eyes.
 //!
-//! What is learned is kept by image and by XR swapchain, not by frame, because the passes of a frame may be submitted
-//! before or after another frame's xrEndFrame. Images that are made anew in every frame are known by their shape and
-//! their place among the passes of that shape.
+//! Findings are kept by image and by XR swapchain, not by frame, because the passes of a frame may be submitted before or after another
+//! frame's xrEndFrame. Images that are created in every frame are known by their shape and their place among the passes of that shape.
 
 mod candidate;
 mod feedback;
@@ -63,7 +62,7 @@ impl Recognition {
     /// Learns from a frame: its submitted events, and its submission. With several sessions on a device, each xrEndFrame is a frame of its
     /// own.
     ///
-    /// `describe` knows the images that occur in `events`, also those that were destroyed since.
+    /// `describe` knows the images that occur in `events`, including images destroyed since.
     pub fn frame(
         &mut self,
         events: &[Event],
@@ -114,7 +113,7 @@ impl Recognition {
         self.rules = rules;
     }
 
-    /// The scene of which this pass without colour draws only the depth, into the same image, as far as the last frames tell.
+    /// The scene of which this pass without colour draws only the depth, into the same image, by the evidence of the last frames.
     pub fn depth_of(&self, pass: &Pass) -> Option<&Match> {
         let depth = pass.depth.filter(|_| pass.colors.is_empty())?;
         self.pass_history.scene_with_depth(depth)
@@ -291,7 +290,7 @@ fn ordinal(pass: &Pass, earlier: &[Event]) -> usize {
     earlier.iter().filter(is_before).count()
 }
 
-/// Whether two passes draw the same first image, both with depth or both without, so that their order tells them apart.
+/// Whether two passes draw the same first image, both with depth or both without, so that their order distinguishes them.
 fn is_in_sequence(one: &Pass, other: &Pass) -> bool {
     let key = |pass: &Pass| (pass.colors.first().map(|target| target.image), pass.depth.is_some());
     key(one) == key(other)
@@ -302,7 +301,7 @@ type Parts = SmallVec<[Part; 4]>;
 /// More parts than the eyes of one picture have: no longer one thing.
 const MOST_PARTS: usize = 8;
 
-/// Adds those of `more` that are not there yet.
+/// Adds the parts of `more` that `parts` lacks.
 fn merge(parts: &mut Parts, more: &[Part]) {
     for part in more {
         if !parts.contains(part) {

@@ -24,7 +24,7 @@ pub enum Unmasked {
     /// Pictures are drawn to in turn, frame by frame, as by temporal filters, which read their last output.
     History,
     /// No render pass that loads depth could be made of its own: colour of one sample is resolved in it, which breaks a rule (Vulkan
-    /// specification, VUID-VkSubpassDescription-pResolveAttachments-00848), or its depth has more to say than is known.
+    /// specification, VUID-VkSubpassDescription-pResolveAttachments-00848), or its depth has a chain that is not known.
     RenderPass,
     /// Depth and stencil are in different layouts.
     Layouts,

@@ -17,7 +17,7 @@ pub struct EndedFrame {
     pub wanted: Techniques<bool>,
     /// Number of passes that it gave maps to.
     pub passes: u32,
-    /// A number that tells the set of passes that it recognised as an eye's picture, whether they got maps or not, from other sets; 0: none.
+    /// Hash of the set of passes that it recognised as an eye's picture, with or without maps; 0: none.
     pub eye_passes: u32,
     /// The phase of the gaze.
     pub phase: GazePhase,
@@ -28,7 +28,7 @@ pub struct EndedFrame {
 pub enum Clock {
     /// A CPU renders: CPU time that the process has spent so far, nanoseconds, if that is known.
     Cpu(Option<u64>),
-    /// A GPU renders, and tells later: the frame's number in [`GpuCost::frame`].
+    /// A GPU renders, and the time is known later: the frame's number in [`GpuCost::frame`].
     Gpu(u64),
 }
 
@@ -134,7 +134,7 @@ impl Benefit {
 
     /// Gives a frame to the gates, while `now` ends.
     ///
-    /// The set of eye passes tells one scene from another.
+    /// The set of eye passes distinguishes scenes.
     fn judge(&mut self, frame: &EndedFrame, cost_ns: Option<u64>, now: &EndedFrame) {
         let was = |wanted: bool| wanted && frame.passes > 0;
         let was_on = Techniques { rates: was(frame.wanted.rates), reuse: was(frame.wanted.reuse) };
@@ -160,7 +160,7 @@ impl OwnShare {
 }
 
 impl fmt::Display for OwnShare {
-    /// Nothing where no GPU tells.
+    /// Empty without GPU time.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.ns == 0 {
             return Ok(());

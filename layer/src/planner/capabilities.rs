@@ -14,7 +14,7 @@ pub struct Capabilities {
 }
 
 impl Capabilities {
-    /// The rates besides 1x1; none where nothing can be made coarser.
+    /// The rates besides 1x1; empty if nothing can be made coarser.
     pub fn rates(&self) -> &[ShadingRate] {
         &self.rates
     }

@@ -12,8 +12,8 @@ pub struct FrameRate {
 }
 
 impl FrameRate {
-    /// A frame is shown at `time_ns`, the `count`th since the last call. After frames of a second each, or when the clock went back, all
-    /// begins anew.
+    /// A frame is shown at `time_ns`, the `count`th since the last call. After frames of a second each, or when the clock went back, the
+    /// measurement starts again.
     pub fn frame_at(&mut self, time_ns: i64, count: u32) {
         let passed_ns = self.last_ns.replace(time_ns).map(|last| time_ns.saturating_sub(last) as f32);
         let step_ns = passed_ns.map(|passed| passed / count.max(1) as f32);

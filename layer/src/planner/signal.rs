@@ -5,7 +5,7 @@ use crate::status::SignalQuality;
 use glam::Vec3;
 use parafovea_core::gaze::GazePhase;
 
-/// Over how long rate, validity and noise are measured, nanoseconds.
+/// Period over which rate, validity and noise are measured, nanoseconds.
 const WINDOW_NS: i64 = 2_000_000_000;
 
 /// Longest time without eyes that counts as a blink, nanoseconds, and the shortest: a blink takes 100 to 400 ms (BioNumbers; Volkmann

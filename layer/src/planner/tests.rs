@@ -103,7 +103,7 @@ fn packet(address: &str, numbers: &[f32]) -> Vec<u8> {
         .unwrap()
 }
 
-/// The packets by which each format says that the eyes look to the left and up, degrees.
+/// Packets of each format for a gaze to the left and up, degrees.
 fn said([left, up]: [f32; 2]) -> Vec<Vec<Vec<u8>>> {
     let Vec3 { x, y, z } = crate::inputs::gaze::direction([left, up]);
     let [right, share_up] = [-left / 45.0, up / 45.0];

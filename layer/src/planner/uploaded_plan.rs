@@ -43,7 +43,7 @@ struct Decision {
 }
 
 impl UploadedPlan {
-    /// The next maps are news, whatever they are.
+    /// The next maps count as new, even if they are the same.
     pub fn forget(&mut self) {
         self.is_known = false;
     }

@@ -1,7 +1,7 @@
 //! The views of the eyes, as the application locates and shows them.
 //!
-//! Poses and fields of view that are computed anew in each frame tremble in their last bits, which must not make another
-//! plan; and an application that changes its resolution from frame to frame must not lose what tiles remember.
+//! Poses and fields of view that are computed in each frame tremble in their last bits, which must not change the plan; and an application
+//! that changes its resolution from frame to frame must not lose the history of its tiles.
 
 use glam::{Quat, Vec3};
 use parafovea_core::gaze::NEAREST_ASSUMED_M;
@@ -14,7 +14,7 @@ const TREMOR: f32 = 1e-3;
 /// The same of positions, metres: 0.05 degrees at half a metre.
 const TREMOR_M: f32 = 5e-4;
 
-/// A head that moves farther within a frame is somewhere else, metres: 4.5 m/s at 90 Hz. Little of what it sees there was to be seen
+/// Longest movement of the head within a frame that is followed, metres: 4.5 m/s at 90 Hz. Beyond it little of the new view was visible
 /// before.
 const LONGEST_FOLLOWED_M: f32 = 0.05;
 

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 /// Unary of 1x1.
 pub(super) const FULL: u8 = 0;
 
-/// Number of rates in unary, those that cannot be among them.
+/// Number of rates in unary, including impossible ones.
 const UNARY: usize = 16;
 
 /// The rates of a device, as a table from permitted to available rates.
@@ -45,7 +45,7 @@ impl DeviceRates {
         self.texels
     }
 
-    /// Makes texels that are stale those of the coarsest rate, for passes that shade everything.
+    /// Sets stale texels to the coarsest rate, for passes that shade everything.
     pub fn coarsen_stale(&self, texels: &mut [u8]) {
         let coarsest = self.texels[UNARY - 1];
         for texel in texels {

@@ -8,8 +8,8 @@ use std::ptr;
 /// Longest side in tiles that a table can name.
 const MOST_TILES: u32 = u16::MAX as u32;
 
-/// The entries that [`super::resolve`] looks up for each texel, of tiles as those of `eyes`, whose rates do not matter. Nothing where one
-/// of them that `parts` show has no tiles, or too many.
+/// The entries that [`super::resolve`] looks up for each texel, with the tiles of `eyes`, whose rates do not matter. `None` if `image` has
+/// no texels, or if an eye in `parts` has no tiles, or too many.
 pub fn rate_map_table(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Option<RateMapTable> {
     if image.texel.contains(&0) || image.is_empty() {
         return None;

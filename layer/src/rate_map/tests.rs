@@ -223,7 +223,7 @@ proptest! {
         prop_assert_eq!(kernel::resolve(&params, &table, eyes.each_ref()), expected);
     }
 
-    /// Nothing that the link or an application could say makes it panic.
+    /// No input of the link or of an application makes it panic.
     #[test]
     fn anything_can_be_resolved(
         extent in prop::array::uniform2(any::<u32>()), texel in prop::array::uniform2(any::<u32>()),

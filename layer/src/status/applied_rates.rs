@@ -13,8 +13,8 @@ pub struct AppliedRates {
 }
 
 impl AppliedRates {
-    /// The line for the next status of the session; none if its rates were logged before, or are not those of the status before: they ramp
-    /// after a start, and trials switch them.
+    /// The line for the next status of the session; `None` if its rates were logged before, or differ from the status before: they ramp after
+    /// a start, and trials switch them.
     pub fn line(&mut self, status: &Status) -> Option<String> {
         if status.passes_matched == 0 {
             self.last.clear();

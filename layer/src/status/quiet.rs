@@ -1,9 +1,9 @@
 //! When recognition has settled.
 
-/// Recognition has settled after so long without a new decision, nanoseconds of display time: rates have become coarser by then, too.
+/// Time without a new decision after which recognition has settled, nanoseconds of display time: rates have become coarser by then, too.
 const SETTLED_AFTER_NS: i64 = 2_000_000_000;
 
-/// And after so many frames: two seconds at 30 Hz. Engines that load show few frames, and not yet the scene.
+/// Number of frames for the same: two seconds at 30 Hz. Engines that load show few frames, and not yet the scene.
 const SETTLED_FRAMES: u32 = 60;
 
 /// Since when no decision was made.

@@ -119,7 +119,7 @@ pub struct GateStatus {
 }
 
 impl GateStatus {
-    /// Whether the technique was dropped, because it does not pay or because the configuration says so.
+    /// Whether the technique was dropped, by its gate or by the configuration.
     pub fn is_dropped(&self) -> bool {
         self.mode == GateMode::Off || !self.is_kept
     }
@@ -143,8 +143,7 @@ impl StatusSnapshot {
         }
     }
 
-    /// Writes it to `status`. Numbers are rounded: what is told is for people, and no more of the gaze than
-    /// they need follows from it.
+    /// Writes it to `status`. Numbers are rounded: they are for people, and reveal no more of the gaze than those need.
     pub fn write_to(&self, status: &mut Status) {
         status.frames = self.frames;
         status.frame_rate_hz = rounded(self.frame_rate_hz, 10.0);

@@ -11,9 +11,9 @@ use parafovea_manifest::options::RatesMode;
 pub struct Known<'a> {
     /// Whether any frame had maps of rates.
     pub had_maps: bool,
-    /// Whether any swapchain has images of ours.
+    /// Whether any swapchain has images of the layer.
     pub has_own_images: bool,
-    /// Whether nothing was given up because it failed.
+    /// Whether no part was turned off after a failure.
     pub is_healthy: bool,
     /// Decisions on devices and passes.
     pub decisions: &'a [Decision],
@@ -44,7 +44,7 @@ pub fn why_unseen(config: &Config, snapshot: &StatusSnapshot, known: &Known) -> 
     Some(format!("{HEAD}; {}", reasons.join("; ")))
 }
 
-/// Nothing where rates are coarse.
+/// `None` if rates are coarse.
 fn rates(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     let of_maps = maps(snapshot, known);
     if of_maps.is_some() {
@@ -64,7 +64,7 @@ fn rates(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     })
 }
 
-/// Why no pass has a map; nothing where any has.
+/// The reason why no pass has a map; `None` if any has.
 fn maps(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     if snapshot.backend == BACKEND_NONE {
         let refused = known.decisions.iter().filter(|decision| decision.topic == Topic::NoBackend);

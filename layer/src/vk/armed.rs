@@ -32,9 +32,9 @@ pub struct Armed {
     pub record: DeviceRecord,
     /// The next layer's functions under our hooks.
     pub next: ArmedTable,
-    /// Its rate attachments; nothing where there are none.
+    /// Its rate attachments; `None` without any.
     pub rate_attachments: Option<Arc<Rates>>,
-    /// Its masks, where there are no rate attachments.
+    /// Its masks, if there are no rate attachments.
     pub masks: Option<Arc<Masks>>,
     /// Its backend, if it has one.
     pub backend: Option<Box<dyn Backend>>,
@@ -46,7 +46,7 @@ pub struct Armed {
     pub layouts: Layouts,
     /// Targets of passes that may be the scene.
     pub candidates: Candidates,
-    /// The frame under way: the OpenXR half's plan, and the application's events.
+    /// The current frame: the OpenXR half's plan, and the application's events.
     pub frame: Frame,
     /// Our work ahead of the application's submits, by queue.
     pub rings: Table<vk::Queue, Arc<PreSubmitRing>>,
@@ -55,7 +55,7 @@ pub struct Armed {
     /// GPU time of its frames.
     pub timing: Timing,
     functions: OnceLock<Option<Functions>>,
-    /// Whom the end of the device is told.
+    /// Callbacks for the end of the device.
     end_callbacks: Mutex<SmallVec<[DeviceEnds; 1]>>,
 }
 
@@ -111,7 +111,7 @@ impl Armed {
         self.backend.as_ref().map_or(NO_CAPABILITIES, |backend| backend.capabilities())
     }
 
-    /// The next layer's functions for work of our own; nothing where one that is needed is missing.
+    /// The next layer's functions for our own work; `None` if a needed one is missing.
     pub fn functions(&self) -> Option<&Functions> {
         let load = || {
             // SAFETY: the record is of this device, which is live as long as calls for it come in.
@@ -122,7 +122,7 @@ impl Armed {
         self.functions.get_or_init(load).as_ref()
     }
 
-    /// The parts with which work of ours is submitted; `None` where a needed function is missing.
+    /// The parts with which work of ours is submitted; `None` if a needed function is missing.
     pub fn submitter(&self) -> Option<Submitter<'_>> {
         Some(Submitter {
             record: &self.record,

@@ -142,8 +142,8 @@ pub unsafe fn device_link(info: *const vk::DeviceCreateInfo<'_>) -> Option<*mut 
 ///
 /// # Safety
 ///
-/// `info` is null or points to a valid structure whose pNext chain is valid; the loader's structures in it
-/// are the loader's to be written by layers, as its interface says.
+/// `info` is null or points to a valid structure whose pNext chain is valid; layers may write the loader's structures in it, by the loader's
+/// interface.
 pub unsafe fn advance_instance(info: *const vk::InstanceCreateInfo<'_>) -> Option<NextInstance> {
     // SAFETY: `info` is null or valid with its chain, as `# Safety` demands, and the loader's structure may be written.
     unsafe {

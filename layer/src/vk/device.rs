@@ -43,12 +43,12 @@ impl Device {
         }
     }
 
-    /// Its rate attachments; nothing where there are none.
+    /// Its rate attachments; `None` without any.
     pub fn rates(&self) -> Option<&Rates> {
         self.armed.as_ref()?.rate_attachments.as_deref()
     }
 
-    /// Its masks; nothing where there are none.
+    /// Its masks; `None` without any.
     pub fn masks(&self) -> Option<&Masks> {
         self.armed.as_ref()?.masks.as_deref()
     }

@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use swapchains::Swapchains;
 
-/// State of the frame under way. All of it is changed in place, so that a steady frame allocates nothing.
+/// State of the current frame. All of it is changed in place, so that a steady frame allocates nothing.
 #[derive(Default)]
 pub struct Frame {
     /// The plan that the OpenXR half makes.
@@ -52,7 +52,7 @@ impl Frame {
         self.serial.store(plan.serial(), Ordering::Release);
     }
 
-    /// The rates of both eyes are decided anew on the GPU: all maps are out of date. Returns the number that they are to have.
+    /// Notes that the GPU decides the rates of both eyes again: all maps are out of date. Returns their next serial.
     pub fn decided(&self) -> u64 {
         let mut plan = lock(&self.plan);
         plan.decided();
@@ -75,7 +75,7 @@ impl Frame {
         self.coarsens.load(Ordering::Relaxed)
     }
 
-    /// Takes the images of a swapchain, or, without any, forgets it; returns those that it had.
+    /// Takes the images of a swapchain, or, without any, forgets it; returns its former images.
     pub fn set_swapchain(&self, swapchain: SwapchainKey, images: &[vk::Image]) -> Vec<vk::Image> {
         lock(&self.swapchains).take(swapchain, images)
     }
@@ -90,7 +90,7 @@ impl Frame {
         self.is_on.load(Ordering::Relaxed)
     }
 
-    /// Whether recognition learns from the frame under way.
+    /// Whether recognition learns from the current frame.
     pub fn learns(&self) -> bool {
         lock(&self.log).learns()
     }
@@ -129,7 +129,7 @@ impl Frame {
         self.rests.store(log.rests(), Ordering::Relaxed);
     }
 
-    /// Takes whether the gates rest from the frame under way on.
+    /// Takes whether the gates rest from the current frame on.
     pub fn set_resting(&self, rests: bool) {
         let mut log = lock(&self.log);
         log.set_resting(rests);

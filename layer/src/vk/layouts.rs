@@ -18,7 +18,7 @@ struct Followed {
     layout: vk::ImageLayout,
     /// Queues of submits that used it.
     queues: SmallVec<[QueueId; 2]>,
-    /// Whether a queue used it that nobody knows.
+    /// Whether an unknown queue used it.
     is_used_elsewhere: bool,
 }
 

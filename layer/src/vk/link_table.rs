@@ -98,7 +98,7 @@ unsafe extern "C" fn set_runtime_section(enter: u32) {
 ///
 /// # Safety
 ///
-/// The device is live; `record` is null, or valid with what it points to during the call.
+/// The device is live; `record` is null, or valid with all that it points to during the call.
 unsafe fn with_armed<T>(
     call: &'static str,
     device: vk::Device,
@@ -244,7 +244,7 @@ unsafe extern "C" fn end_frame(
 ///
 /// # Safety
 ///
-/// There is room for words where the record says so.
+/// The words of each stale record are null, or have room for its `capacity`.
 unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
     let frame = {
         let log = armed.frame.log();
@@ -273,7 +273,7 @@ unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
 ///
 /// # Safety
 ///
-/// There is room for words where the record says so.
+/// `record.words` is null, or has room for `record.capacity` words.
 unsafe fn write_stale(log: &Log, eye: usize, record: &mut StaleRecord) {
     record.count = 0;
     let Some(stale) = log.stale(eye).filter(|stale| !stale.is_empty()) else { return };
@@ -401,11 +401,11 @@ unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
     )
 }
 
-/// An array of a record; empty where there is none.
+/// An array of a record; empty if there is none.
 ///
 /// # Safety
 ///
-/// `first` is null, or `count` values begin there that nobody changes for `'a`.
+/// `first` is null, or points to `count` values that do not change for `'a`.
 unsafe fn slice<'a, T>(first: *const T, count: usize) -> &'a [T] {
     if first.is_null() || count == 0 {
         return &[];

@@ -6,10 +6,10 @@ use crate::vk::dispatch::proc_addr;
 use ash::vk;
 
 /// `vkNegotiateLoaderLayerInterfaceVersion`: agrees on interface version 2 and hands out our functions. The
-/// manifest's `functions` maps the loader's name to this one, which collides with nobody's.
+/// manifest's `functions` maps the loader's name to this one, which collides with no other.
 ///
-/// Fails with `ERROR_INITIALIZATION_FAILED`, upon which the loader leaves us out, for a loader that does not
-/// speak version 2 or a structure that is not what it should be.
+/// Fails with `ERROR_INITIALIZATION_FAILED`, upon which the loader leaves us out, for an invalid structure and for
+/// a loader that does not speak version 2.
 ///
 /// # Safety
 ///

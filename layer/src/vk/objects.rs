@@ -114,8 +114,8 @@ impl Objects {
         Some(known)
     }
 
-    /// Notes that an image is one of a swapchain's. One that nobody made through this layer, such as ours, is kept from
-    /// now on, as `description` has it.
+    /// Notes that an image belongs to a swapchain. An image that was not made through this layer, such as ours, is kept from now on, as
+    /// `otherwise` describes it.
     pub fn join_swapchain(
         &self,
         image: vk::Image,
@@ -132,7 +132,7 @@ impl Objects {
         }
     }
 
-    /// Notes that an image is none of a swapchain's any more. One that nobody made through this layer is forgotten, and returned.
+    /// Notes that an image no longer belongs to a swapchain. An image that was not made through this layer is forgotten, and returned.
     pub fn leave_swapchain(&self, image: vk::Image) -> Option<Image> {
         let mut is_foreign = false;
         self.images.change(image, |known| {
@@ -168,7 +168,7 @@ impl Objects {
     }
 }
 
-/// Descriptions of at most so many destroyed images are kept, where no frames end.
+/// Most descriptions of destroyed images that are kept, if no frames end.
 const MOST_DEPARTED: usize = 1024;
 
 /// A live command pool.

@@ -32,7 +32,7 @@ pub struct Perception {
     state: Mutex<State>,
 }
 
-/// Contrast that is older than so many plans, of which a frame has two at most, is not of the pictures that the application draws now.
+/// Greatest age of contrast in plans, of which a frame has two at most: older contrast is not of the application's current pictures.
 const LONGEST_PLANS: u64 = 60;
 
 /// The kernels, compiled once they are needed.
@@ -40,7 +40,7 @@ const LONGEST_PLANS: u64 = 60;
 enum Made {
     #[default]
     NotYet,
-    /// They are there once they were compiled.
+    /// Available once they were compiled.
     Asked(Later<Tools>),
     /// The device is about to be destroyed.
     Never,
@@ -56,7 +56,7 @@ struct State {
     analyzed: u64,
     /// The last decision: number of the plan, and of the last analysis.
     decided: Option<(u64, u64)>,
-    /// The last reason that was logged why nothing is decided.
+    /// The last logged reason why nothing is decided.
     logged: Option<&'static str>,
 }
 
@@ -67,12 +67,12 @@ pub struct Deciding {
 }
 
 impl Perception {
-    /// Analyses a finished picture, if its contrast counts, for the decisions of later frames; without waiting: where too much is under way, it is
-    /// left out.
+    /// Analyses a finished picture, if its contrast counts, for the decisions of later frames. It never waits: with too much work in
+    /// progress, the picture is left out.
     ///
     /// # Safety
     ///
-    /// As [`PictureRecord`] says: the image is live and as it says there, and this thread may use the queue.
+    /// As [`PictureRecord`] demands: the image is live and in the state described there, and this thread may use the queue.
     pub unsafe fn analyze(&self, own: Submitter<'_>, record: &PictureRecord) {
         let eye = record.eye as usize;
         if eye > 1 {
@@ -114,7 +114,7 @@ impl Perception {
         }
     }
 
-    /// The decision ahead of a submit to `queue` that draws the scene; `None` where all is as it was decided last, or where it cannot be
+    /// The decision ahead of a submit to `queue` that draws the scene; `None` if all is as decided last, or where it cannot be
     /// decided there.
     pub fn deciding(&self, frame: &Frame, queue: vk::Queue) -> Option<Deciding> {
         let state = self.state();
@@ -148,8 +148,8 @@ impl Perception {
     ///
     /// # Safety
     ///
-    /// The command buffer is being recorded, outside of a render pass, for the queue that [`Self::deciding`] was asked about; what is added to
-    /// `kept` lives until it has finished.
+    /// The command buffer is being recorded, outside of a render pass, for the queue given to [`Self::deciding`]; objects added to `kept`
+    /// live until it has finished.
     pub unsafe fn decide(
         &self,
         frame: &Frame,
@@ -173,7 +173,7 @@ impl Perception {
         self.state().decided = Some(deciding.of);
     }
 
-    /// The tiles of both eyes whose rates are decided on the GPU, for submits to `queue`; `None` where the plan's own rates hold. An eye
+    /// The tiles of both eyes whose rates are decided on the GPU, for submits to `queue`; `None` if the plan's own rates hold. An eye
     /// without tiles shares the other's.
     fn decided_tiles(&self, frame: &Frame, queue: vk::Queue) -> Option<[Option<Arc<EyeTiles>>; 2]> {
         let state = self.state();
@@ -280,7 +280,7 @@ impl Perception {
         Some((queue, own.ring(queue, id[0])))
     }
 
-    /// The state of an eye with so many tiles and pixels; that of other sizes is forgotten.
+    /// The state of an eye with that many tiles and pixels; a state of other sizes is forgotten.
     fn eye(&self, tools: &Tools, eye: usize, tiles: [u32; 2], extent: [u32; 2]) -> Option<Arc<EyeTiles>> {
         let is_it = |known: &&Eye| known.tiles.view.tiles() == tiles && known.tiles.levels.extent() == extent;
         if let Some(known) = self.state().eyes[eye].as_ref().filter(is_it) {

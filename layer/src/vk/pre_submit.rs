@@ -15,7 +15,7 @@ use smallvec::SmallVec;
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// So many command buffers of ours for a queue may be under way: of three frames, each with two submits that draw the scene, and a picture of each eye
+/// Most pending command buffers of ours for a queue: of three frames, each with two submits that draw the scene, and a picture of each eye
 /// that is analysed, and one that is drawn over. Beyond that maps stay as they are, unless they have no content yet, or leave something
 /// out, and pictures are left out.
 const MOST_SLOTS: usize = 24;
@@ -34,7 +34,7 @@ pub struct Submitter<'a> {
     pub submit: vk::PFN_vkQueueSubmit,
     /// The GPU time of frames.
     pub timing: &'a Timing,
-    /// The frame under way.
+    /// The current frame.
     pub frame: &'a Frame,
     /// The rings of all queues.
     pub rings: &'a Table<vk::Queue, Arc<PreSubmitRing>>,
@@ -129,7 +129,7 @@ impl PreSubmitRing {
         self.put_back(slots);
     }
 
-    /// Waits until the GPU is done with all that is under way.
+    /// Waits until the GPU is done with all pending work.
     pub fn wait(&self, functions: &Functions) {
         let mut slots = std::mem::take(&mut *self.lock());
         slots.iter_mut().for_each(|slot| slot.wait(&functions.device));

@@ -1,7 +1,7 @@
 //! The commands of each command buffer of an armed device, as far as the rest needs to know them.
 //!
-//! Command buffers are recorded on several threads: each has a lock of its own, which nobody else takes meanwhile. Its
-//! lists keep their memory when it is recorded again.
+//! Command buffers are recorded on several threads: each has a lock of its own, which no other thread takes meanwhile. Its lists keep their
+//! memory when it is recorded again.
 
 pub mod binding;
 pub mod buffers;
@@ -168,7 +168,7 @@ impl Recorded {
         self.tally = Tally::default();
     }
 
-    /// A pass begins, with a mask or without; nothing is known of it where its objects are not.
+    /// A pass begins, with a mask or without; `pass` is `None` if its objects are unknown.
     fn begin(&mut self, pass: Option<Pass>, candidate: Option<Arc<Candidate>>, mask: Option<OpenMask>) {
         if let Some(candidate) = &candidate
             && !self.candidates.iter().any(|known| Arc::ptr_eq(known, candidate))
@@ -228,7 +228,7 @@ impl Recorded {
         PipelineFacts { write_stencil: pipelines.write_stencil | self.within.writes_stencil, ..pipelines }
     }
 
-    /// Commands within a pass say more of it.
+    /// Adds facts from commands within a pass.
     fn add(&mut self, more: Within) {
         self.within.clears_depth |= more.clears_depth;
         self.within.is_queried |= more.is_queried;
@@ -287,8 +287,8 @@ impl Recorded {
     }
 }
 
-/// A command buffer with the next layer's function that `choose` names. What is kept of it is missing where its device is
-/// not armed, it did not come through this layer, or its commands are not tracked.
+/// A command buffer with the next layer's function that `choose` names. Its [`Buffer`] is missing if its device is not armed, it did not come
+/// through this layer, or its commands are not tracked.
 ///
 /// # Safety
 ///

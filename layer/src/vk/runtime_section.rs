@@ -1,4 +1,4 @@
-//! Whether this thread is inside a call to the OpenXR runtime, or in work of ours.
+//! Whether this thread is inside a call to the OpenXR runtime, or in our own work.
 //!
 //! A runtime may submit to the application's queue on the application's device (for compositing, or to hand
 //! images over). Such submits come through the Vulkan layers like the application's own.

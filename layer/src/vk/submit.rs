@@ -68,7 +68,7 @@ pub unsafe extern "system" fn submit2(
 /// Candidates whose maps have to be written, the urgent ones too.
 type Outdated = SmallVec<[Arc<Candidate>; 8]>;
 
-/// As [`prepare`]; where that panics, the submit goes on without it.
+/// As [`prepare`]; if that panics, the submit continues without it.
 ///
 /// # Safety
 ///
@@ -142,8 +142,7 @@ fn add(to: &mut Outdated, candidate: &Arc<Candidate>) {
     }
 }
 
-/// Brings the maps of candidates up to date, as far as they are not; those of submits that are not followed only where they
-/// have no content yet.
+/// Brings outdated maps of candidates up to date; in submits that are not followed, only maps without content.
 ///
 /// # Safety
 ///

@@ -31,7 +31,7 @@ impl<K: Eq + Hash + Copy, V: Clone> Table<K, V> {
         }
     }
 
-    /// The kept value of an object; `new`, from now on, where there was none.
+    /// The kept value of an object; `new`, from now on, if there was none.
     pub fn get_or_insert(&self, key: K, new: V) -> V {
         self.0.entry(key).or_insert_with(|| new.clone()).value().clone()
     }

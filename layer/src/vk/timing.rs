@@ -1,11 +1,11 @@
 //! The GPU time of whole frames, ours included, for the benefit gate: a timestamp ahead of the first command of each primary command buffer
-//! that takes time and one behind its last, in the application's own command buffers and in ours. They are read when they are there, a frame or
-//! two later; nothing waits for them.
+//! that takes time and one behind its last, in the application's own command buffers and in ours. They are read when they are available, a
+//! frame or two later; nothing waits for them.
 //!
-//! This is for devices that are no CPU (there CPU time tells more), while the gate asks for it. Queues that only copy are left out: they have no
-//! queries to reset, and nothing of ours changes their work. A frame with a command buffer that has no timestamps is not judged: one that was recorded
-//! before anybody asked and is submitted again and again, that may run twice at once, or that ends within a suspended pass. Of an application
-//! that has one in each frame the gate learns nothing, and leaves rates as they are.
+//! This is for devices other than CPUs (on a CPU, CPU time is the better measure), while the gate asks for it. Queues that only copy are left
+//! out: they have no queries to reset, and the layer does not change their work. A frame with a command buffer without timestamps is not
+//! judged: one that was recorded before the gate asked and is submitted again and again, that may run twice at once, or that ends within a
+//! suspended pass. From an application with one in each frame the gate learns nothing, and leaves rates unchanged.
 
 mod frames;
 mod queries;
@@ -48,7 +48,7 @@ struct Unread {
     frame: u64,
 }
 
-/// So many submits are waited for: of three frames of some eighty command buffers. Of a frame with submits beyond nothing is known.
+/// Most submits that are waited for: three frames of some eighty command buffers. A frame with more submits is unknown.
 const MOST_UNREAD: usize = 256;
 
 /// The timestamps in a command buffer.
@@ -93,12 +93,12 @@ impl Timing {
         !self.is_cpu
     }
 
-    /// Takes whether anybody wants to know.
+    /// Takes whether the times are wanted.
     pub fn set_wanted(&self, is_wanted: bool) {
         self.is_wanted.store(is_wanted, Ordering::Relaxed);
     }
 
-    /// Whether anybody wants to know.
+    /// Whether the times are wanted.
     pub fn is_wanted(&self) -> bool {
         self.is_wanted.load(Ordering::Relaxed)
     }
@@ -162,7 +162,7 @@ impl Timing {
         }
     }
 
-    /// Reads the timestamps, and returns the next complete frame before the one under way.
+    /// Reads the timestamps, and returns the next complete frame before the current one.
     pub fn next(&self, under_way: u64) -> Option<FrameTime> {
         self.read();
         lock(&self.frames).take(under_way, self.clock.get()?.step_ns)
@@ -231,7 +231,7 @@ impl Timing {
 }
 
 impl Timer {
-    /// The command buffer begins anew.
+    /// Resets the timer: the command buffer begins again.
     pub fn clear(&mut self) {
         self.state = State::Empty;
     }
@@ -251,7 +251,7 @@ impl Timer {
         self.state == State::Open
     }
 
-    /// Whether both timestamps are there.
+    /// Whether both timestamps are recorded.
     pub fn is_complete(&self) -> bool {
         self.state == State::Whole
     }

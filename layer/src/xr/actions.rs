@@ -1,9 +1,8 @@
 //! Eye gaze through `XR_EXT_eye_gaze_interaction`, for an application that does not use it.
 //!
-//! An action set of ours rides along: first in the application's `xrAttachSessionActionSets` (a SteamVR bug keeps
-//! only the last set usable, which must be the application's), and in each of its `xrSyncActions`. An
-//! application without any input gets ours attached and synchronised after `gaze.attach_alone_after_s`. What the application
-//! sees of its own input, and of events, is what it would see without us.
+//! An action set of ours rides along: first in the application's `xrAttachSessionActionSets` (a SteamVR bug keeps only the last set usable,
+//! which must be the application's), and in each of its `xrSyncActions`. An application without any input gets ours attached and synchronised
+//! after `gaze.attach_alone_after_s`. The application sees its own input, and events, as it would without us.
 
 mod application;
 mod gaze_action;
@@ -26,14 +25,14 @@ use std::ffi::c_char;
 use std::ptr;
 use std::sync::Arc;
 
-/// An instance, where it is known, and the functions below it.
+/// An instance, if it is known, and the functions below it.
 fn below_of(handle: xr::Instance) -> Option<(Option<Arc<Instance>>, Next)> {
     let known = instance::hooked(handle);
     let next = known.as_ref().map(|known| known.next).or_else(next_of_any)?;
     Some((known, next))
 }
 
-/// `xrStringToPath`: who asks for the path of an input will have action sets some day.
+/// `xrStringToPath`: an application that asks for the path of an input will have action sets some day.
 ///
 /// # Safety
 ///
@@ -84,7 +83,7 @@ pub unsafe extern "system" fn create_action_set(
     })
 }
 
-/// `xrCreateAction`: which set an action is in decides about the priority of ours.
+/// `xrCreateAction`: the set of an action decides the priority of ours.
 ///
 /// # Safety
 ///
@@ -184,8 +183,8 @@ pub unsafe extern "system" fn suggest_bindings(
     })
 }
 
-/// `xrAttachSessionActionSets`: with ours, first. If that fails, the call is made as the application made it,
-/// so that the runtime's own result is what the application gets.
+/// `xrAttachSessionActionSets`: with ours, first. If that fails, the application's call is made unchanged, so that the application gets the
+/// runtime's own result.
 ///
 /// # Safety
 ///
@@ -310,7 +309,7 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
     )
 }
 
-/// `xrGetCurrentInteractionProfile`: nothing where there would be nothing without us.
+/// `xrGetCurrentInteractionProfile`: no profile if there would be none without us.
 ///
 /// # Safety
 ///
@@ -396,7 +395,7 @@ pub unsafe extern "system" fn poll_event(
     })
 }
 
-/// Whether an event is there because of us.
+/// Whether the layer caused an event.
 ///
 /// # Safety
 ///

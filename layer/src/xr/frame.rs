@@ -1,4 +1,4 @@
-//! Frames. What happens at `xrEndFrame`, from top to bottom, is [`deliver`].
+//! Frames. The steps at `xrEndFrame`, from top to bottom, are in [`deliver`].
 
 mod complete;
 mod debug_view;
@@ -33,7 +33,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use work::Work;
 
-/// `xrWaitFrame`: the time of a frame in which nothing is urgent, so here the configuration is looked at.
+/// `xrWaitFrame`: the time of a frame in which nothing is urgent, so the configuration is read here.
 ///
 /// # Safety
 ///

@@ -53,7 +53,7 @@ impl SessionGaze {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins without a gaze; that of eye trackers gets the correction.
+    /// Begins without a gaze; the gaze of eye trackers gets the correction.
     pub fn new(correction: Arc<GazeCorrecting>) -> Self {
         Self { state: Mutex::default(), correction }
     }
@@ -128,7 +128,7 @@ impl SessionGaze {
         drop(listener);
     }
 
-    /// Tells where the gaze comes from, and of packets how many there are.
+    /// Writes the source of the gaze, and the counts and the delay of packets.
     pub fn write_status(&self, snapshot: &mut StatusSnapshot) {
         let state = self.state();
         snapshot.gaze_holder = state.holder;
@@ -146,12 +146,12 @@ impl SessionGaze {
         }
     }
 
-    /// The place of the dot of debug view "ahead", degrees to the left and upwards of straight ahead.
+    /// Position of the dot of debug view "ahead", degrees to the left of and above the forward direction.
     pub fn dot_deg(&self) -> [f32; 2] {
         self.correction.dot_deg()
     }
 
-    /// Whether there is a gaze to be had, as far as is known.
+    /// Whether a gaze may be available, as far as is known.
     pub fn may_have_gaze(&self, session: &Session, config: &Config) -> bool {
         match config.gaze.source {
             GazeSource::Auto => session.actions.may_have_gaze() || self.state().osc.is_open(),
@@ -241,7 +241,7 @@ impl SessionGaze {
 }
 
 impl State {
-    /// Takes the gaze of both sources, where both are there, for the delay of packets.
+    /// Takes the gazes of both sources, if both are present, for the delay of packets.
     fn compare(&mut self, eyes: Look, packets: Look) {
         if packets == Look::NoTracker {
             // The next sender may have another delay.
@@ -300,7 +300,7 @@ fn wanted_file(config: &Config) -> FilePath {
     if config.gaze.source == GazeSource::File { config.gaze.file } else { FilePath::NONE }
 }
 
-/// The gaze of a file; the log says why where there is none.
+/// The gaze of a file; `None` if it cannot be read, with the reason in the log.
 fn read(path: &Path) -> Option<GazeScript> {
     let read = || -> Result<GazeScript, String> {
         // O_NONBLOCK: opening a FIFO would else wait for somebody to write to it.

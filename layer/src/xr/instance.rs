@@ -40,18 +40,18 @@ pub struct Instance {
     pub application: String,
     /// Its configuration.
     pub config: LiveConfig,
-    /// Whether `XR_EXT_eye_gaze_interaction` is on, whoever asked for it.
+    /// Whether `XR_EXT_eye_gaze_interaction` is on, for the application or for us.
     pub eye_gaze: bool,
-    /// Whether it was the application who asked for it.
+    /// Whether the application asked for it.
     pub eye_gaze_is_asked_for: bool,
     /// Its action sets, and ours.
     pub actions: InstanceActions,
-    /// The gaze for an application that asks for it; `None` where the application gets what the runtime has.
+    /// The gaze for an application that asks for it; `None` if the application gets the runtime's.
     pub offer: Option<Offer>,
 }
 
 impl Instance {
-    /// Whether `XR_EXT_eye_gaze_interaction` is on because of us alone: the application is to see nothing of it.
+    /// Whether `XR_EXT_eye_gaze_interaction` is on for us alone, and thus hidden from the application.
     pub fn has_own_eye_gaze(&self) -> bool {
         self.eye_gaze && !self.eye_gaze_is_asked_for
     }
@@ -153,7 +153,7 @@ fn wanted(name: &str) -> Option<LiveConfig> {
     Some(config)
 }
 
-/// Whether `XR_EXT_eye_gaze_interaction` is on, and because of whom.
+/// State of `XR_EXT_eye_gaze_interaction`, by its requester.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum GazeExtension {
     Off,
@@ -195,8 +195,8 @@ fn with_extensions(info: &xr::InstanceCreateInfo, names: &[*const c_char]) -> xr
     }
 }
 
-/// Creates the instance with eye gaze added, where the runtime may have it. Whatever that fails with may be our
-/// doing, so the application gets the result of the call as it made it.
+/// Creates the instance with eye gaze added, where the runtime may have it. We may be the cause of a failure: then the application gets the
+/// result of its unchanged call.
 ///
 /// # Safety
 ///
@@ -239,7 +239,7 @@ unsafe fn create_with_eye_gaze(
     }
 }
 
-/// Begins to track an instance, with hooks where `config` says that it is wanted.
+/// Begins to track an instance, with hooks if it has a `config`.
 fn track(
     below: &Below,
     handle: xr::Instance,

@@ -16,10 +16,10 @@ const API_VERSION: xr::Version = xr::Version::new(1, 1, 0);
 const INTERFACE_VERSION: u32 = xr::CURRENT_LOADER_API_LAYER_VERSION as u32;
 
 /// `xrNegotiateLoaderApiLayerInterface`: agrees on interface version 1 and hands out our functions. The manifest's
-/// `functions` maps the loader's name to this one, which collides with nobody's.
+/// `functions` maps the loader's name to this one, which collides with no other.
 ///
-/// Fails with `ERROR_INITIALIZATION_FAILED` for structures that are not what they should be, and for a loader
-/// that does not speak interface version 1 or OpenXR 1.
+/// Fails with `ERROR_INITIALIZATION_FAILED` for invalid structures, and for a loader that does not speak interface
+/// version 1 or OpenXR 1.
 ///
 /// # Safety
 ///

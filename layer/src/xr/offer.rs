@@ -40,7 +40,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// State of an instance that gives the gaze to its application.
 pub struct Offer {
     next: OfferNext,
-    /// Whether the extension is on in the runtime, whose system may have no eye gaze all the same.
+    /// Whether the extension is on in the runtime, whose system may still have no eye gaze.
     is_known_below: bool,
     paths: GazePaths,
     input: Mutex<OfferedInput>,

@@ -1,6 +1,6 @@
-//! When a session's frames are planned, and who is told. Each frame is planned once, with the newest gaze that can still matter: at the
-//! application's first xrLocateViews between xrBeginFrame and xrEndFrame for the frame's display time. An application whose last frame
-//! had no such call is planned at xrBeginFrame, and a frame without any plan at xrEndFrame.
+//! Timing of a session's plans, and their delivery to the Vulkan half. Each frame is planned once, with the newest gaze that can still
+//! matter: at the application's first xrLocateViews between xrBeginFrame and xrEndFrame for the frame's display time. An application whose
+//! last frame had no such call is planned at xrBeginFrame, and a frame without any plan at xrEndFrame.
 //!
 //! Gaze is located on these threads, never inside a call of Vulkan: engines hold the locks of their queues there, and a
 //! locate may wait for another process. No lock of ours is held meanwhile. The plan itself is made by a thread of ours, or by the first
@@ -60,7 +60,7 @@ pub struct SessionPlan {
     /// Since when recognition is quiet.
     quiet: Mutex<Quiet>,
     has_looked: AtomicBool,
-    /// The frames that go by unnoticed.
+    /// The ignored frames.
     pub sleep: Sleep,
     /// Whether passes read pictures of earlier frames.
     feedback: Mutex<Feedback>,
@@ -180,7 +180,7 @@ impl SessionPlan {
         self.thread.work_in_progress().has_failed()
     }
 
-    /// Tells the Vulkan half the settings of the configuration and of the gates where they are new.
+    /// Sends the Vulkan half the settings of the configuration and of the gates if they are new.
     pub fn notify_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {
             let mut benefit = self.benefit();
@@ -241,7 +241,7 @@ impl Wanted {
     }
 }
 
-/// A frame that is shown at `time` ended: its cost goes to the gate, whose answer the next xrBeginFrame tells.
+/// Takes the end of the frame that is shown at `time`: its cost goes to the gate, and the gate's answer to the Vulkan half at the next xrBeginFrame.
 pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &FrameReport) {
     let state = &active.plan;
     state.take_feedback(config, report.feedback);
@@ -298,7 +298,7 @@ pub fn status(
     snapshot
 }
 
-/// Says once, when recognition has settled, why an active session has no visible effect, if that is so.
+/// Reports once, when recognition has settled, why an active session has no visible effect, if it has none.
 pub fn report_unseen(
     session: &Session,
     (active, config): (&Active, &ConfigSnapshot),

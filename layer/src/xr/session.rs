@@ -36,13 +36,13 @@ pub struct Session {
     pub spaces: Option<Spaces>,
     /// Orientation of the head, by its located views.
     pub head: LocatedHead,
-    /// State of its actions, and of ours.
+    /// State of its actions and ours.
     pub actions: SessionActions,
     /// Source of its gaze.
     pub gaze: SessionGaze,
-    /// Actions of the application that get that gaze; `None` where the runtime gives its own, or the application asks for none.
+    /// Actions of the application that get that gaze; `None` if the runtime gives its own, or the application asks for none.
     pub offer: Option<SessionOffer>,
-    /// Tells `parafovea status` of it, where there is a place for that.
+    /// Reports the session to `parafovea status`; `None` if there is no place for its file.
     pub reporter: Option<StatusReporter>,
 }
 
@@ -72,12 +72,12 @@ impl Session {
         self.active.as_ref().is_some_and(|active| active.device.capabilities.backend != BACKEND_NONE)
     }
 
-    /// Whether the frame under way goes by unnoticed.
+    /// Whether the current frame is ignored.
     pub fn is_asleep(&self) -> bool {
         self.active.as_ref().is_some_and(|active| active.plan.sleep.is_asleep())
     }
 
-    /// Whether a frame that ends goes by unnoticed.
+    /// Whether a frame that ends is ignored.
     pub fn sleeps_through(&self) -> bool {
         let is_asked = || self.reporter.as_ref().is_some_and(StatusReporter::is_asked);
         self.active.as_ref().is_some_and(|active| active.plan.sleep.frame_ends(is_asked()))
@@ -143,7 +143,7 @@ pub unsafe extern "system" fn create(
     })
 }
 
-/// The device of the session's graphics binding, if both it and its Vulkan half are there, or why not.
+/// The device of the session's graphics binding, or the reason why it or its Vulkan half is missing.
 ///
 /// # Safety
 ///

@@ -1,4 +1,4 @@
-//! Spaces of ours, in which gaze and head are located whatever spaces the application has, and those of the application that rest.
+//! The layer's own spaces, in which gaze and head are located, and the application's spaces that rest in the world.
 
 mod head;
 mod resting;
@@ -17,7 +17,7 @@ use std::ptr;
 /// Spaces of one session; they go with it.
 #[derive(Debug, Clone, Copy)]
 pub struct Spaces {
-    /// Of the head: between the eyes, -z is straight ahead.
+    /// Of the head: between the eyes, -z forward.
     pub head: xr::Space,
     /// One that rests in the world.
     world: xr::Space,

@@ -1,5 +1,5 @@
-//! The submission of a frame: the composition layers of an `XrFrameEndInfo`, as far as they name swapchains, read once at xrEndFrame.
-//! It is plain data: whoever has it needs no unsafe code.
+//! The submission of a frame: the composition layers of an `XrFrameEndInfo`, as far as they name swapchains, read once at xrEndFrame. It is
+//! plain data, used without unsafe code.
 
 use super::structures::extending;
 use crate::abi::pnext::Structure;
@@ -110,7 +110,7 @@ impl Submission {
     ///
     /// # Safety
     ///
-    /// The layer is valid with its views and chains, and of the type that it says.
+    /// The layer is valid with its views and chains, and of the type in its header.
     unsafe fn read_layer(&mut self, layer: &xr::CompositionLayerBaseHeader) {
         // SAFETY: the layer is valid and of its type, as `# Safety` demands.
         let known = unsafe {
@@ -133,7 +133,7 @@ impl Submission {
     ///
     /// # Safety
     ///
-    /// The layer is valid, with as many views as it says, whose chains are valid.
+    /// The layer is valid, with `view_count` views, whose chains are valid.
     unsafe fn read_projection(&mut self, layer: &xr::CompositionLayerProjection) {
         if layer.views.is_null() || layer.view_count > MOST_VIEWS {
             return;
@@ -171,7 +171,7 @@ impl Submission {
         self.projections().next()
     }
 
-    /// The projection layer; `None` if there are several: then it is not known whose passes were whose.
+    /// The projection layer; `None` if there are several: then it is not known which passes belong to which layer.
     pub fn only_projection(&self) -> Option<Projection<'_>> {
         let mut projections = self.projections();
         projections.next().filter(|_| projections.next().is_none())
@@ -249,11 +249,11 @@ pub fn fov(fov: &xr::Fovf) -> Fov {
     Fov { left: fov.angle_left, right: fov.angle_right, up: fov.angle_up, down: fov.angle_down }
 }
 
-/// The layer as a `T`, if it says that it is one.
+/// The layer as a `T`; `None` if its header has another type.
 ///
 /// # Safety
 ///
-/// The layer is valid, and of the type that it says.
+/// The layer is valid, and of the type in its header.
 pub unsafe fn cast<T: Structure>(layer: &xr::CompositionLayerBaseHeader) -> Option<&T> {
     // SAFETY: the layer is valid and of its type, as `# Safety` demands; `Structure` says that a structure of this number is a T.
     (layer.ty.into_raw() == T::number()).then(|| unsafe { &*std::ptr::from_ref(layer).cast::<T>() })

@@ -96,14 +96,14 @@ impl Swapchain {
         }
     }
 
-    /// Tells the Vulkan half which images the application has, once.
+    /// Sends the Vulkan half the application's images, once.
     fn notify_images(&self, images: &[vk::Image]) {
         if !images.is_empty() && !self.is_told.swap(true, Ordering::Relaxed) {
             self.notify(images);
         }
     }
 
-    /// Tells the Vulkan half that the images are about to be destroyed.
+    /// Notifies the Vulkan half that the images are about to be destroyed.
     fn notify_end(&self) {
         if self.is_told.swap(false, Ordering::Relaxed) {
             self.notify(&[]);

@@ -1,5 +1,5 @@
-//! The OpenXR half above a stand-in for the runtime, called as a loader calls it. What needs a Vulkan device is
-//! tested with the mock runtime.
+//! The OpenXR half above a stand-in for the runtime, called as a loader calls it. Parts that need a Vulkan device
+//! are tested with the mock runtime.
 
 pub(in crate::xr) mod fake;
 mod plan;

@@ -1,5 +1,4 @@
-//! Switching the Vulkan half on inside the process, when somebody named the OpenXR layer explicitly and set
-//! nothing for the Vulkan loader.
+//! Activation of the Vulkan half inside the process, for a user who named the OpenXR layer explicitly and set nothing for the Vulkan loader.
 //!
 //! The Vulkan loader reads its variables at every vkCreateInstance, so setting them before the application's
 //! is enough; an instance that it made before stays without us. Measured with loader 1.3.239.
@@ -15,7 +14,7 @@ use std::sync::Once;
 /// installed below a prefix.
 static FOLDERS: [&str; 3] = [".", "vulkan/explicit_layer.d", "../share/vulkan/explicit_layer.d"];
 
-/// Makes the Vulkan loader load the Vulkan half with the next instance, unless the environment says already how to load it.
+/// Makes the Vulkan loader load the Vulkan half with the next instance, unless the environment already requests it.
 pub fn activate() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -44,8 +43,8 @@ fn is_requested(variable: impl Fn(&str) -> Option<OsString>) -> bool {
     is_named || variable("PARAFOVEA").is_some()
 }
 
-/// The variables to set. What the user has set is kept, behind ours. A `VK_LAYER_PATH` of the user's makes
-/// the loader ignore `VK_ADD_LAYER_PATH`.
+/// The variables to set. The user's values are kept, behind ours. A `VK_LAYER_PATH` of the user's makes the loader ignore
+/// `VK_ADD_LAYER_PATH`.
 fn settings(variable: impl Fn(&str) -> Option<OsString>, folder: &Path) -> [(&'static str, OsString); 2] {
     let prepend = |name: &'static str, first: &OsStr| {
         let mut value = first.as_bytes().to_vec();

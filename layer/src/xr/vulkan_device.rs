@@ -41,7 +41,7 @@ pub enum NotLinked {
     /// The Vulkan half comes from another version of this library.
     #[error("the Vulkan half has interface version {0}, the OpenXR half {LINK_VERSION}")]
     OtherVersion(u32),
-    /// The Vulkan half is there, but keeps this device inert.
+    /// The Vulkan half is present, but keeps this device inert.
     #[error("the Vulkan half keeps this device inert")]
     Inert,
 }
@@ -102,23 +102,23 @@ impl VulkanDevice {
         self.capabilities.is_cpu == 1
     }
 
-    /// Tells the Vulkan half whether a session is bound to the device.
+    /// Notifies the Vulkan half whether a session is bound to the device.
     pub fn set_active(&self, active: bool) {
         // SAFETY: the session that holds this says that the device is live: it outlives its session.
         unsafe { (self.table.set_active)(self.record.device, u32::from(active)) }
     }
 
-    /// Has `call` called when the application destroys the device; false where nobody will.
+    /// Registers `call` for the destruction of the device by the application; false if it will not be called.
     pub fn when_it_ends(&self, call: DeviceEnds) -> bool {
         // SAFETY: the device is live, as above.
         unsafe { (self.table.when_it_ends)(self.record.device, call) == 1 }
     }
 
-    /// Tells the images of a swapchain, or, without any, that it is about to be destroyed.
+    /// Sends the images of a swapchain, or, without any, the notice that it is about to be destroyed.
     ///
     /// # Safety
     ///
-    /// What the record points to is valid.
+    /// The record is valid, with all that it points to.
     pub unsafe fn notify_swapchain(&self, record: &SwapchainRecord) {
         // SAFETY: the device is live, as above; the record is valid with its arrays, as `# Safety` demands.
         unsafe { (self.table.swapchain)(self.record.device, record) }
@@ -128,17 +128,17 @@ impl VulkanDevice {
     ///
     /// # Safety
     ///
-    /// The records are null or valid, with what they point to.
+    /// The records are null or valid, with all that they point to.
     pub unsafe fn begin_frame(&self, start: &FrameStart) {
         // SAFETY: the device is live, as above; the records are null or valid, as `# Safety` demands.
         unsafe { (self.table.begin_frame)(self.record.device, start) }
     }
 
-    /// Tells a finished picture of an eye.
+    /// Sends a finished picture of an eye.
     ///
     /// # Safety
     ///
-    /// As [`PictureRecord`] says.
+    /// As [`PictureRecord`] demands.
     pub unsafe fn notify_picture(&self, record: &PictureRecord) {
         // SAFETY: the device is live, as above; the record is as [`PictureRecord`] demands.
         unsafe { (self.table.picture)(self.record.device, record) }
@@ -148,7 +148,7 @@ impl VulkanDevice {
     ///
     /// # Safety
     ///
-    /// What the record points to is valid.
+    /// The record is valid, with all that it points to.
     pub unsafe fn end_frame(&self, submission: &ShownRecord, report: &mut FrameReport) {
         let mut record = FrameReportRecord {
             frame: 0,
@@ -180,7 +180,7 @@ impl VulkanDevice {
         }
     }
 
-    /// Takes the stale tiles of an eye's image (0: left, 1: right); asks again with more room where they had too little.
+    /// Takes the stale tiles of an eye's image (0: left, 1: right); asks again with more room if they had too little.
     fn take_stale(&self, eye: usize, record: &StaleRecord, words: &mut Vec<u32>, stale: &mut StaleTiles) {
         let mut record = *record;
         loop {
@@ -200,7 +200,7 @@ impl VulkanDevice {
     ///
     /// # Safety
     ///
-    /// As [`RatesCopyRecord`] says.
+    /// As [`RatesCopyRecord`] demands.
     pub unsafe fn copy_rates(&self, record: &RatesCopyRecord) -> RatesCopy {
         // SAFETY: the device is live, as above; the record is as [`RatesCopyRecord`] demands.
         match unsafe { (self.table.copy_rates)(self.record.device, record) } {
@@ -245,7 +245,7 @@ impl VulkanDevice {
     }
 }
 
-/// The abilities of a device's backend; those of none where the Vulkan half does not say.
+/// The capabilities of a device's backend; no backend if the Vulkan half does not answer.
 fn capabilities(table: &LinkTable, device: vk::Device) -> CapabilitiesRecord {
     let mut record =
         CapabilitiesRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 };
@@ -267,7 +267,7 @@ pub struct FrameReport {
     pub frame: u64,
     /// Number of passes that had the plan's rates.
     pub passes_with_rates: u32,
-    /// A number that tells the set of passes that were recognised as an eye's image, whether rates are on or not, from other sets; 0: none.
+    /// Number that distinguishes the set of passes recognised as an eye's image, whether rates are on or not, from other sets; 0: none.
     pub eye_passes: u32,
     /// Whether passes read images of eyes of earlier frames.
     pub feedback: Feedback,

@@ -106,7 +106,7 @@ impl Analyzed {
         Self { levels: all_levels, maps }
     }
 
-    /// Each stage from what the stage before made on the GPU: `levels`, of each pass.
+    /// Computes each stage from the GPU's output of the stage before: `levels`, of each pass.
     fn on_cpu(shape: &Shape, passes: &[(&Plane<Vec3>, &Plane<u8>)], levels: &[Vec<Plane>]) -> Self {
         let (mut all_levels, mut maps) = (Vec::new(), Vec::new());
         let (mut previous, mut shown) = (ContrastMap::default(), Plane::default());
@@ -168,7 +168,7 @@ fn packed(rates: &Plane<u8>) -> Vec<u8> {
     bytes
 }
 
-/// Compares every stage. `relative`: how far the device's luminance may be off because of the format, half floats aside.
+/// Compares every stage. `relative`: tolerance of the device's luminance for the format, besides half floats.
 fn assert_matches(case: &str, gpu: &Analyzed, cpu: &Analyzed, relative: f32) {
     for (gpu, cpu) in gpu.levels.iter().zip(&cpu.levels) {
         for (level, (gpu, cpu)) in gpu.iter().zip(cpu).enumerate() {

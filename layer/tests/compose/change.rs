@@ -18,7 +18,7 @@ use parafovea_core::reuse::{ComparedTiles, MAX_AGES};
 /// Tiles are compared with pictures of at most this age.
 const OLDEST: usize = 3;
 
-/// One set of changes: the view that was given, the tiles, and how much each changed.
+/// One set of changes: the given view, the tiles, and the change of each.
 type Found = (View, Vec<u32>, Vec<f32>);
 
 pub fn region<'a>(frames: &'a [Frame], tiles: &'a ComparedTiles) -> ChangeRegion<'a> {

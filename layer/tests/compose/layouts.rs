@@ -12,7 +12,7 @@ use std::sync::{Mutex, OnceLock};
 
 static NEXT: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
 
-/// Live pipeline layouts with their set layouts, and how many set layouts were destroyed too early.
+/// Live pipeline layouts with their set layouts, and the number of set layouts that were destroyed too early.
 struct Layouts {
     live: Vec<(u64, Vec<u64>)>,
     made: usize,

@@ -206,7 +206,7 @@ fn deep_formats_keep_alpha_and_plateau() {
     vulkan.assert_valid();
 }
 
-/// Only half floats can say so.
+/// Only half floats can encode it.
 #[test]
 fn a_pixel_that_is_no_number_stays_as_it_is() {
     let vulkan = Vulkan::new();

@@ -165,7 +165,7 @@ impl DepthSwapchain {
         unsafe { vulkan.device.cmd_pipeline_barrier(commands, src, dst, none, &[], &[], &[barrier]) };
     }
 
-    /// The application draws depth, and returns the image; says which copy there is then.
+    /// The application draws depth, and releases the image. Returns the number of the copy.
     fn render(&self, vulkan: &Vulkan, index: u32, values: &[f32]) -> u64 {
         let (image, buffer) = (self.images[index as usize], vulkan.staging(bytemuck::cast_slice(values)));
         let copied = vk::ImageLayout::TRANSFER_DST_OPTIMAL;

@@ -55,7 +55,7 @@ unsafe impl Send for Device {}
 unsafe impl Sync for Device {}
 
 /// Frames with other gazes submit the commands of earlier ones, with pictures of their own; other rectangles, images, layouts and
-/// swapchains are recorded anew, even where a swapchain gets the handles of one that has ended.
+/// swapchains are recorded again, even if a swapchain gets the handles of one that has ended.
 #[test]
 fn frames_that_differ_in_the_gaze_alone_repeat_commands() {
     let vulkan = Vulkan::with(|mut record| {

@@ -97,7 +97,7 @@ impl Vulkan {
         }
     }
 
-    /// An image for depth, to be copied to, and for what else is said.
+    /// A depth image, as a copy destination and with `usage`.
     pub fn depth_image(
         &self,
         format: vk::Format,

@@ -21,7 +21,7 @@ pub struct Vulkan {
     pub gpu: Arc<Gpu>,
     pub pool: vk::CommandPool,
     pub record: DeviceRecord,
-    /// Whether the validation layers are there.
+    /// Whether the validation layers are enabled.
     pub validated: bool,
     messages: &'static Messages,
 }

@@ -50,7 +50,7 @@ fn job<'a>(swapchain: &'a Swapchain, layer: u32, params: DebugViewParams, map: &
     }
 }
 
-/// Whether the colour changes within what the device may round otherwise, around an angle.
+/// Whether the colour changes at an angle within the rounding error of this pixel's angle.
 fn is_on_edge(params: &DebugViewParams, x: u32, y: u32) -> bool {
     const ROUNDING_DEG: f32 = 0.02;
     let Some(angle) = params.degrees(x, y) else { return false };

@@ -129,7 +129,7 @@ struct Both {
     vulkan: Vulkan,
 }
 
-/// Numbers of tiles: all, those with a coarse rate, and those that differ from the reference.
+/// Numbers of tiles: all, with a coarse rate, and different from the reference.
 #[derive(Debug, Default)]
 struct Counts {
     tiles: usize,
@@ -225,7 +225,7 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// Ties: at most one tile in a thousand, of which some have to be coarse for this to say anything.
+/// Only ties may differ: at most one tile in a thousand. The test is meaningful only if some tiles are coarse.
 fn assert_same(case: &str, counts: &Counts) {
     assert!(counts.differ * 1000 <= counts.tiles, "{case}: {counts:?}");
 }
@@ -285,7 +285,7 @@ fn contrast_of_a_turned_head_is_found_as_in_the_reference() {
     both.vulkan.assert_valid();
 }
 
-/// Neither what measures contrast nor what decides by it.
+/// Neither the kernel that measures contrast nor the one that decides by it.
 #[test]
 fn recording_asks_for_no_memory() {
     let both = Both::new();

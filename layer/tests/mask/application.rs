@@ -14,7 +14,7 @@ pub const LAYERS_DRAWN: u32 = 3;
 pub const COLOR: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const DEPTH_LAYOUT: vk::ImageLayout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
 
-/// Counts what is shaded: with early tests, only what has passed them.
+/// Counts shaded fragments: with early tests, only fragments that have passed them.
 const SHADERS: &str = "
     @group(0) @binding(0) var<storage, read_write> count: atomic<u32>;
 
@@ -119,8 +119,8 @@ impl Application {
         [vk::ImageLayout::UNDEFINED, DEPTH_LAYOUT]
     }
 
-    /// Records by `record`, which is given what draws into a command buffer, with depth loaded or not. Returns the picture
-    /// and how often a fragment was shaded.
+    /// Records by `record`, which gets a function that draws into a command buffer, with depth loaded or not. Returns the picture and the
+    /// number of shaded fragments.
     pub fn frame(
         &self,
         vulkan: &Vulkan,

@@ -1,6 +1,5 @@
-//! A pass of an application with a mask, end to end on a Vulkan device: template, load, fill. What it shades is as
-//! without, bit for bit; what it skips is as predicted, and is not shaded. Without a Vulkan device the tests
-//! are skipped.
+//! A pass of an application with a mask, end to end on a Vulkan device: template, load, fill. Shaded pixels are bit-identical to the pass
+//! without a mask; skipped pixels are as predicted, and are not shaded. Without a Vulkan device the tests are skipped.
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 

@@ -53,7 +53,7 @@ fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
     is_new
 }
 
-/// With whatever is heard from `heard` on, frame by frame.
+/// With the sound of `heard`, frame by frame.
 fn assert_does_not_allocate(config: &Config, heard: impl Fn(i64) -> Option<AudioFeatures>) {
     let mut planning = Planning::new(capabilities());
     let next = |planning: &mut Planning, number| {

@@ -11,7 +11,7 @@ pub struct Import {
     pub is_public: bool,
 }
 
-/// The paths within the crate that a source names, in `use` declarations and elsewhere, without those of its unit tests.
+/// The paths within the crate that a source names, in `use` declarations and elsewhere, except in its unit tests.
 pub fn imports(module: &[String], source: &str) -> Vec<Import> {
     let source = without_comments(before_tests(source));
     let mut found = Vec::new();

@@ -26,7 +26,7 @@ fn source_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-/// The sources below a folder but those of unit tests, each as the path of its module.
+/// The sources below a folder except unit tests, each as the path of its module.
 fn modules(folder: &Path, above: &[String], into: &mut BTreeMap<Vec<String>, String>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -3,7 +3,7 @@
 use super::{modules, source_folder};
 use std::collections::BTreeMap;
 
-/// The most lines of an unsafe block, with those of its braces.
+/// Most lines of an unsafe block, including its braces.
 const LONGEST: usize = 15;
 
 /// Unsafe blocks of a source: the number of the first line, from 1, and the number of lines.

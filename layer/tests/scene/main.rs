@@ -45,7 +45,7 @@ fn pass(image: u64) -> Event {
     })
 }
 
-/// Image 10 is the scene, made anew in each frame are four more; one of a ring of swapchain images shows it.
+/// Image 10 is the scene; four more images are created in each frame. One of a ring of swapchain images shows the scene.
 fn record(frame: u64, log: &mut Vec<Event>) -> Shown {
     let swapchain_image = frame % 3;
     log.clear();

@@ -120,7 +120,7 @@ pub fn read(environment: &Environment, application: Option<&str>) -> io::Result<
     Ok((found, gone))
 }
 
-/// The status as it was told, and how old it is.
+/// Each status with its age, a line of JSON each.
 fn as_json(found: &[Found]) -> String {
     let line = |found: &Found| {
         let mut object = json!(found.status);

@@ -32,7 +32,7 @@ pub enum ConfigError {
         line: usize,
         /// The parser's message.
         message: String,
-        /// The text that it says this of.
+        /// The text that the message refers to.
         found: Option<String>,
     },
     /// A key that is not in the table of options.

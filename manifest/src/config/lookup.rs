@@ -50,14 +50,13 @@ impl Places {
     }
 
     /// The first that `exists`; `None` if none does: the defaults hold. A file that `PARAFOVEA_CONFIG` names
-    /// is found in any case: where it is missing, [`load`] says so, rather than that the
-    /// defaults silently took its place.
+    /// is found in any case: if it is missing, [`load`] reports that, and no defaults silently take its place.
     pub fn find(&self, exists: impl Fn(&Path) -> bool) -> Option<&Path> {
         self.files.iter().map(PathBuf::as_path).find(|file| self.named || exists(file))
     }
 }
 
-/// Whether any configuration of the user, of whatever application, gives the gaze to applications.
+/// Whether any configuration of the user, for any application, gives the gaze to applications.
 pub fn offers_gaze(environment: &Environment) -> bool {
     let apps = environment.config_home().map(|home| home.join("parafovea/apps"));
     let entries = apps.and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten().flatten();

@@ -8,7 +8,7 @@ use toml::de::{DeString, DeTable, DeValue};
 use super::error::{ConfigError, ConfigErrors, one_line};
 use crate::options::{Config, OPTIONS, OptionSpec, Preset, Setting};
 
-/// The most errors that are told of one file.
+/// Greatest number of errors reported of one file.
 const MAX_ERRORS: usize = 10;
 
 /// The longest unknown key for which a near one is sought, in bytes.
@@ -21,8 +21,7 @@ const MIN_SIMILARITY: f64 = 0.8;
 ///
 /// # Errors
 ///
-/// The text is not TOML (the first error of it is told), or has keys or values that are not allowed (all are
-/// told, ten at most).
+/// The text is not TOML (its first error is reported), or has keys or values that are not allowed (all are reported, ten at most).
 pub fn parse(path: &Path, text: &str) -> Result<Config, ConfigErrors> {
     // Editors on Windows put a byte-order mark first.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);

@@ -9,7 +9,7 @@ use super::{Config, ConfigErrors, Places, load};
 use crate::paths::Environment;
 
 /// Watches the places of one application's configuration. Looking costs one `stat` for each place down to
-/// the first that has a file; how often to look is the caller's business.
+/// the first that has a file; the caller chooses the interval.
 #[derive(Debug)]
 pub struct Watch {
     places: Places,
@@ -59,7 +59,7 @@ impl Watch {
     /// replaced or removed, or one of higher precedence appeared. Always reads at the first look. Without a
     /// file, the defaults are the configuration.
     ///
-    /// The errors of a file are those of [`load`]. An edit after the look is seen by the next one.
+    /// Errors of a file: see [`load`]. An edit after the look is seen by the next one.
     pub fn poll(&mut self) -> Option<Result<Config, ConfigErrors>> {
         let now = look(&self.places);
         if self.seen.replace(now) == Some(now) {

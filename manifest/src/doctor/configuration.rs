@@ -48,7 +48,7 @@ pub(super) fn in_force(surroundings: &Surroundings) -> (Option<PathBuf>, Option<
     }
 }
 
-/// The file in force, and those of all applications.
+/// The file in force, and the files of all applications.
 fn all_files(surroundings: &Surroundings, in_force: Option<PathBuf>) -> Vec<PathBuf> {
     let apps = surroundings.environment.config_home().map(|home| home.join("parafovea/apps"));
     let entries = apps.and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten().flatten();

@@ -1,7 +1,7 @@
 //! Steam's container, and Flatpak: the parts of this machine that games see in them.
 //!
 //! Source: pressure-vessel (steam-runtime), which imports Vulkan layers from the system by itself, and OpenXR layers where
-//! `PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS` asks for it; what is in the home is seen as it is.
+//! `PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS` asks for it; the home folder is visible unchanged.
 
 use super::layers::Layers;
 use super::{Finding, Surroundings};

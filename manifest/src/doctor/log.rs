@@ -29,7 +29,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     }
 }
 
-/// Tries it in the folder, or in the nearest above it that is there.
+/// Tries to write to the folder, or to the nearest existing one above it.
 fn is_writable(folder: &Path) -> std::io::Result<()> {
     let there = folder.ancestors().find(|path| fs::symlink_metadata(path).is_ok()).unwrap_or(folder);
     tempfile::tempfile_in(there).map(drop)

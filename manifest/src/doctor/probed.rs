@@ -17,7 +17,7 @@ pub struct Probed {
 }
 
 impl Default for Probed {
-    /// Nobody was asked.
+    /// Nothing was probed.
     fn default() -> Self {
         let nobody = || "not probed".to_owned();
         Self { layers: Err(nobody()), vulkan: Err(nobody()), created: Err(nobody()), openxr: Err(nobody()) }
@@ -47,7 +47,7 @@ pub struct VulkanAnswer {
 pub struct Device {
     /// Its name.
     pub name: String,
-    /// The driver and its version, as text; empty where it does not say.
+    /// The driver and its version, as text; empty if it reports none.
     pub driver: String,
     /// It is a CPU.
     pub is_cpu: bool,

@@ -1,6 +1,6 @@
 //! Variables of the environment that turn the layer off, or half of it.
 //!
-//! Source for those of the Vulkan loader: `LoaderLayerInterface.md`, "Layer Filtering" and "Linux Layer Discovery".
+//! Source for the Vulkan loader's variables: `LoaderLayerInterface.md`, "Layer Filtering" and "Linux Layer Discovery".
 
 use super::{Finding, Surroundings};
 use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};

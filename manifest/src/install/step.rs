@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-/// One change to the file system. `Display` says what [`Step::apply`] does.
+/// One change to the file system. `Display` describes [`Step::apply`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Puts a copy of a file in place, and makes the folders above it.

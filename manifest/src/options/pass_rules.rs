@@ -1,4 +1,4 @@
-//! Rules of a profile that say which passes are the scene, where recognition is wrong.
+//! Rules of a profile that decide which passes are the scene, if recognition is wrong.
 
 mod format;
 
@@ -13,7 +13,7 @@ use toml::de::DeValue;
 /// Most rules of a profile.
 pub const MOST_RULES: usize = 8;
 
-/// Rules in their order; of those that fit a pass the first one counts.
+/// Rules in their order; the first one that fits a pass counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PassRules {
     rules: [Option<PassRule>; MOST_RULES],
@@ -88,7 +88,7 @@ pub enum PassRulesError {
          upright, flipped"
     )]
     Word(String),
-    /// Something that is there twice.
+    /// A repeated value.
     #[error("\"{0}\": a second value of this kind in one rule")]
     Twice(String),
     /// A rule that would fit every pass.

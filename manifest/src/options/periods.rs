@@ -1,4 +1,4 @@
-//! Of how many frames one renders each region around the gaze.
+//! Update periods of the regions around the gaze, frames.
 
 use super::{Allowed, Setting};
 use toml::de::DeValue;

@@ -54,7 +54,7 @@ pub fn reference() -> String {
 mod tests {
     use super::*;
 
-    /// A preset is a product: its settings are stated here once more, so that nobody changes it by chance.
+    /// A preset is a product: its settings are stated here once more, so that no edit changes it by chance.
     #[test]
     fn each_preset_sets_this_and_nothing_else() {
         for preset in Preset::ALL {
@@ -80,8 +80,8 @@ mod tests {
         }
     }
 
-    /// Colour costs time and saves none: only who sends pictures as video, or compares with the paper, gets it by a preset. Sound is
-    /// listened to only where the user says so.
+    /// Chroma attenuation costs time and saves none: only the presets for video streaming and for comparison with the paper have it.
+    /// Sound is captured only if the user enables it.
     #[test]
     fn no_preset_listens_and_few_attenuate() {
         for preset in Preset::ALL {

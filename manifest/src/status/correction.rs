@@ -59,7 +59,7 @@ impl AskedMeasurement {
 /// Requests a measurement with a number of the process `pid`, as its status calls it; `None` withdraws it. It begins within a second.
 ///
 /// # Errors
-/// Nothing tells of that process, or the file system refuses.
+/// There is no status folder, or the file system refuses.
 pub fn ask_measurement(
     environment: &Environment,
     pid: u32,

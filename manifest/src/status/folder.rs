@@ -28,11 +28,11 @@ pub struct StatusFile {
 }
 
 impl StatusFile {
-    /// Makes the folder for the file of the process `pid`; `None` without `$XDG_RUNTIME_DIR`. What was asked of an earlier process of that
-    /// number is forgotten.
+    /// Makes the folder for the file of the process `pid`; `None` without `$XDG_RUNTIME_DIR`. Requests to an earlier process of that
+    /// number are removed.
     ///
     /// # Errors
-    /// The folder cannot be made, or belongs to somebody else.
+    /// The folder cannot be made, or belongs to another user.
     pub fn new(environment: &Environment, pid: u32) -> io::Result<Option<Self>> {
         let Some(folder) = folder(environment) else { return Ok(None) };
         DirBuilder::new().recursive(true).mode(0o700).create(&folder)?;
@@ -49,7 +49,7 @@ impl StatusFile {
         Ok(Some(Self { path, next: folder.join(format!(".{pid}")), requests }))
     }
 
-    /// Replaces the last status by `status`: whoever reads sees the one or the other, never a part.
+    /// Replaces the last status by `status`: readers see the one or the other, never a part.
     ///
     /// # Errors
     /// The file system refuses.
@@ -80,10 +80,10 @@ pub struct Found {
 /// Number of files of applications that ended without removing theirs.
 pub type Gone = usize;
 
-/// Every application's status that is fresh, by process, and how many are not; those that are old for long are removed.
+/// Every fresh status of an application, by process, and the number of outdated ones; files that are old for long are removed.
 ///
 /// # Errors
-/// There is a folder, which cannot be read.
+/// The folder exists, but cannot be read.
 pub fn read_all(environment: &Environment, now: SystemTime) -> io::Result<(Vec<Found>, Gone)> {
     let Some(folder) = folder(environment) else { return Ok((Vec::new(), 0)) };
     let entries = match fs::read_dir(folder) {

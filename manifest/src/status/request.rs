@@ -13,8 +13,7 @@ pub(super) fn request_file(folder: &Path, pid: u32, kind: &str) -> PathBuf {
     folder.join(format!("{pid}.{kind}"))
 }
 
-/// The request in a file; `None` without one, and for what is not a file that only its folder's owner can write. Never waits, and allocates
-/// nothing.
+/// The request in a file; `None` for anything but a file that only its folder's owner can write. Never waits, and allocates nothing.
 pub(super) fn read<'a>(path: &Path, bytes: &'a mut [u8]) -> Option<&'a str> {
     let flags = libc::O_NOFOLLOW | libc::O_NONBLOCK;
     let mut file = OpenOptions::new().read(true).custom_flags(flags).open(path).ok()?;
@@ -29,7 +28,7 @@ pub(super) fn read<'a>(path: &Path, bytes: &'a mut [u8]) -> Option<&'a str> {
 /// Puts a request to the process `pid`, as its status calls it, in place of the last one of its kind; `None` withdraws that.
 ///
 /// # Errors
-/// No process has a status, or the file system refuses.
+/// There is no status folder, or the file system refuses.
 pub(super) fn write(
     environment: &Environment,
     pid: u32,

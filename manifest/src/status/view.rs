@@ -26,8 +26,8 @@ impl AskedView {
         Self(folder(environment).map(|folder| request_file(&folder, pid, KIND)))
     }
 
-    /// The requested view; `None` for the configuration's. What is no name of a view, or not a file that only this folder's owner can
-    /// write, asks for nothing. Never waits, and allocates nothing.
+    /// The requested view; `None` for the configuration's. Anything but the name of a view, in a file that only this folder's owner
+    /// can write, counts as no request. Never waits, and allocates nothing.
     pub fn look(&self) -> Option<DebugView> {
         DebugView::of_name(request::read(self.0.as_deref()?, &mut [0; MOST_BYTES])?)
     }
@@ -36,7 +36,7 @@ impl AskedView {
 /// Requests `view` of the process `pid`, as its status calls it; `None` for the configuration's view. It follows within a second.
 ///
 /// # Errors
-/// Nothing tells of that process, or the file system refuses.
+/// There is no status folder, or the file system refuses.
 pub fn ask_view(environment: &Environment, pid: u32, view: Option<DebugView>) -> io::Result<()> {
     request::write(environment, pid, KIND, view.map(DebugView::name))
 }

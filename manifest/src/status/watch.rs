@@ -36,7 +36,7 @@ impl GazeWatch {
 /// Requests of the process `pid`, as its status calls it, to read its eye tracker in each frame of the next seconds.
 ///
 /// # Errors
-/// Nothing tells of that process, or the file system refuses.
+/// There is no status folder, or the file system refuses.
 pub fn watch_gaze(environment: &Environment, pid: u32) -> io::Result<()> {
     request::write(environment, pid, KIND, Some(""))
 }

@@ -1,7 +1,7 @@
-//! Counts how often one library of a process asks for memory, by who calls glibc's allocator. `LD_PRELOAD` names this library,
-//! `PARAFOVEA_TEST_ALLOCATIONS_OF` the other one by a part of its path, and `PARAFOVEA_TEST_ALLOCATIONS_FILE` where the number is written when the
-//! process exits. `PARAFOVEA_TEST_ALLOCATIONS_EXCEPT` names a thread whose calls are not counted. Calls before the library was found, and frees,
-//! are not counted either.
+//! Counts the memory allocations of one library of a process, by the callers of glibc's allocator. `LD_PRELOAD` names this library,
+//! `PARAFOVEA_TEST_ALLOCATIONS_OF` the other one by a part of its path, and `PARAFOVEA_TEST_ALLOCATIONS_FILE` the file for the number, written
+//! when the process exits. `PARAFOVEA_TEST_ALLOCATIONS_EXCEPT` names a thread whose calls are not counted. Calls before the library is found, and
+//! frees, are not counted either.
 
 #![cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 

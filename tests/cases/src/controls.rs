@@ -199,7 +199,7 @@ impl<'a> Controls<'a> {
         Ok(())
     }
 
-    /// Notes whether the source of the gaze has a name, of any text, and whether its length is told first.
+    /// Notes whether the source of the gaze has a name, of any text, with the length that an earlier call returned.
     pub fn name_of_gaze(&self, session: &Session) -> Result<(), Failure> {
         let info = xr::InputSourceLocalizedNameGetInfo {
             ty: xr::InputSourceLocalizedNameGetInfo::TYPE,

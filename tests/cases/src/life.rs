@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Life {
     /// Seconds since the first life began.
     pub seconds: f64,
-    /// Memory that is there, in bytes.
+    /// Resident memory, in bytes.
     pub resident: u64,
     /// Threads.
     pub threads: u64,
@@ -16,7 +16,7 @@ pub struct Life {
 }
 
 impl Life {
-    /// Resources of this process now; 0 if `/proc` does not tell.
+    /// Resources of this process now; 0 if `/proc` does not list them.
     pub fn now() -> Self {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let number = |key: &str| {

@@ -1,7 +1,7 @@
 //! Random sequences of calls, and their results, which are the same with and without a layer in between.
 //!
-//! Legal ones follow what the specification allows in each state. Hostile ones call anything at any time, with handles that are gone, null
-//! or of another kind, and with long chains of structures that nobody knows; but never a wait that cannot end.
+//! Legal sequences make only calls that the specification allows in each state. Hostile ones make any call at any time, with handles that
+//! are destroyed, null or of another kind, and with long chains of unknown structures; but never a wait that cannot end.
 
 mod world;
 

@@ -1,6 +1,6 @@
 //! Sessions of an application, some at a time, one after the other in one process, and the process's resources after each of its lives.
 //!
-//! What a call returns is not judged here, only that none fails: cases do that.
+//! Only failures of calls are checked here; the cases check the results.
 
 use crate::app::App;
 use crate::cases::stereo::Stereo;

@@ -62,7 +62,7 @@ impl Vulkan {
         }
     }
 
-    /// An instance and a device that OpenXR knows nothing of.
+    /// An instance and a device that OpenXR does not know.
     pub fn apart() -> Result<Self, Failure> {
         Self::before_openxr(VulkanVersion::V1_1)
     }

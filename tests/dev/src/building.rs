@@ -4,7 +4,7 @@ use crate::meter::Meter;
 use std::io::{BufReader, Read};
 use std::process::{Command, Stdio};
 
-/// Runs a cargo command that builds, and shows how far it is; its warnings and errors go to standard error.
+/// Runs a cargo command that builds, and shows its progress; its warnings and errors go to standard error.
 ///
 /// # Errors
 /// A command that cannot be started, or that fails.

@@ -5,8 +5,8 @@ use crate::tasks::in_root;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Builds the layer of a commit in a working tree of its own: a short name of the commit, and the library. What was built
-/// before is built on.
+/// Builds the layer of a commit in a working tree of its own, on top of earlier builds there: a short name of the commit,
+/// and the library.
 pub fn built(steps: &mut Steps, revision: &str) -> Result<(String, PathBuf), String> {
     let commit = git(&["rev-parse", "--verify", "--quiet", &format!("{revision}^{{commit}}")])
         .map_err(|_| format!("there is no commit `{revision}`"))?;

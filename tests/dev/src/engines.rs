@@ -32,7 +32,7 @@ const SYSTEM: Set = Set {
     with_dependencies: true,
 };
 
-/// Runs every engine without and with the layer, or those that the arguments name (`parafovea-engines` reads them).
+/// Runs every engine, or the engines named by the arguments (`parafovea-engines` reads them), without and with the layer.
 pub fn engines(arguments: &[String]) -> Result<(), String> {
     setup(Voice::Implied)?;
     if !Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0") {

@@ -1,9 +1,9 @@
-//! One line on standard error that says how far a long step is, and how long its rest takes.
+//! Progress of a long step and its remaining time, as one line on standard error.
 
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
 
-/// Steps that are shorter say nothing.
+/// Delay before the first line of a step.
 const SILENCE: Duration = Duration::from_secs(3);
 
 /// Between two lines where standard error is a file or a pipe: a log of a build is not to be full of them.

@@ -62,8 +62,8 @@ mount --bind /dev "$root/dev"
 exec chroot "$root" /opt/parafovea/test "$@"
 "#;
 
-/// Runs the tests of the passes on the GPU there, then hello_xr with OSC packets, then hello_xr, our scene and the zoo, off and on; or those of
-/// the applications that have the argument in their names. `gaze`: hello_xr with OSC packets alone.
+/// Runs the tests of the passes on the GPU there, then hello_xr with OSC packets, then hello_xr, our scene and the zoo, off and on; or only the
+/// applications with the argument in their names. `gaze`: hello_xr with OSC packets alone.
 pub fn monado(arguments: &[String]) -> Result<(), String> {
     let wanted = match arguments {
         [] => "",
@@ -200,7 +200,7 @@ fn inside(root: &Path) -> Command {
 /// Output of an application and Monado.
 struct Seen {
     code: Option<i32>,
-    /// Complaints, without numbers, and how often each came.
+    /// Complaints, without their numbers, with the count of each.
     complaints: BTreeMap<String, usize>,
     log: String,
 }

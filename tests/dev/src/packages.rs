@@ -68,7 +68,7 @@ pub enum Proof {
 }
 
 impl Proof {
-    /// Whether the file is there.
+    /// Whether the file exists.
     pub fn holds(&self) -> bool {
         match self {
             Proof::Program(name) => program_in_path(name),

@@ -11,13 +11,13 @@ use std::process::{Command, ExitStatus, Stdio};
 /// Origin of the request for the set-up.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Voice {
-    /// `cargo dev setup`: always tries, and says so when nothing is missing.
+    /// `cargo dev setup`: always tries, and prints a line if nothing is missing.
     Asked,
     /// Runs as part of another task: an attempt that was made and reported before is not repeated.
     Implied,
 }
 
-/// Installs or names missing requirements. Something missing is no error: the tasks go on with what is there.
+/// Installs or names missing requirements. A missing requirement is no error: the tasks go on without it.
 pub fn setup(voice: Voice) -> Result<(), String> {
     if voice == Voice::Asked {
         unpack_release();
@@ -70,7 +70,7 @@ fn root_prefix() -> Option<Vec<&'static str>> {
     sudo.is_ok_and(|status| status.success()).then(|| vec!["sudo", "-n"])
 }
 
-/// One `apt-get update` and one `apt-get install`. A failure is reported by what is then still missing.
+/// One `apt-get update` and one `apt-get install`. A failure shows in the requirements that are still missing afterwards.
 fn install_with_apt(root: &[&str], missing: &[&Need]) {
     let wanted = packages(missing, Manager::Apt);
     eprintln!("cargo dev: installing {}", wanted.join(" "));
@@ -170,7 +170,7 @@ fn already_reported(missing: &[&Need]) -> bool {
     earlier.is_some_and(|earlier| earlier == stamp(missing))
 }
 
-/// The text that stands for a set of missing things; a different set is reported anew.
+/// The text that stands for a set of missing things; a different set is reported again.
 fn stamp(missing: &[&Need]) -> String {
     missing.iter().map(|need| format!("{}\n", need.what)).collect()
 }

@@ -23,10 +23,10 @@ pub struct Set {
 /// The list of unpacked packages in a set's folder, `name=version` a line, written last.
 const PACKAGES_FILE: &str = "packages";
 
-/// Unpacks a set where that is not done, and returns its folder.
+/// Unpacks a set unless it is unpacked, and returns its folder.
 ///
 /// # Errors
-/// Without a way to Debian's archive, and those of apt and of files.
+/// Debian's archive cannot be reached; errors of apt and of files.
 pub fn unpack(set: &Set) -> Result<PathBuf, String> {
     let to = profile_folder()?.parent().ok_or("the target folder is not known")?.join(set.folder);
     let unpacked = fs::read_to_string(to.join(PACKAGES_FILE)).unwrap_or_default();

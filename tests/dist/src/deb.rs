@@ -9,7 +9,7 @@ use parafovea_manifest::json::Half;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// The package. Its files are for all users of a machine; games have the layer only where it is asked for.
+/// The package. Its files are for all users of a machine; games have the layer only if it is enabled for them.
 ///
 /// # Errors
 /// None on writing to memory.

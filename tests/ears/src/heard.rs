@@ -12,7 +12,7 @@ pub struct Line {
     pub gamma_ld: Option<f32>,
     /// gamma_fq, kilo-mel.
     pub gamma_fq_kilomel: Option<f32>,
-    /// Whether nothing is heard.
+    /// Whether there is only silence.
     pub silent: Option<bool>,
     /// Loudness of the newest features, LUFS; none in silence and before the first.
     pub loudness_lufs: Option<f32>,

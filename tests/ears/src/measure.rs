@@ -18,7 +18,7 @@ const THREADS: [&str; 2] = ["parafovea-sound", "parafovea-ears"];
 /// Time of a callback for 10 ms of stereo at 48 kHz, microseconds of its thread's CPU time, each of `count` times.
 ///
 /// # Errors
-/// The system does not tell CPU time.
+/// The system does not report CPU time.
 pub fn callback_us(count: usize) -> Result<Vec<f64>> {
     let (mut writer, mut reader) = ring(Format { sample_rate_hz: SAMPLE_RATE_HZ, channels: 2 });
     let bytes: Vec<u8> = sound(Kind::Pink, -20.0, SAMPLE_RATE_HZ, 1.0)[..960]
@@ -55,7 +55,7 @@ pub struct Cost {
 /// Listens to a server that plays speech for so long.
 ///
 /// # Errors
-/// The server does not start, or nothing is heard.
+/// The server does not start, or no sound is captured.
 pub fn capture_cost(time: Duration) -> Result<Cost> {
     let server = Server::start(&[OUT])?;
     let player = Player::new(&server.socket(), SAMPLE_RATE_HZ, BUFFER_MS)?;
@@ -106,7 +106,7 @@ pub fn capture_cost(time: Duration) -> Result<Cost> {
 /// Seconds from when a sound goes to the server to when plans of hello_xr take it, each of `count` times.
 ///
 /// # Errors
-/// Something is not installed, or nothing is heard.
+/// A program is not installed, or no sound is captured.
 pub fn latencies_s(count: usize) -> Result<Vec<f64>> {
     let mut stage = Stage::new("")?;
     stage.player = Player::new(&stage.server.socket(), SAMPLE_RATE_HZ, SHORT_BUFFER_MS)?;

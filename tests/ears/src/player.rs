@@ -1,4 +1,4 @@
-//! A program that plays: all the time, silence where nothing else is asked for.
+//! A program that plays all the time, silence by default.
 
 use crate::signals::CHANNELS;
 use anyhow::{Context as _, Result};

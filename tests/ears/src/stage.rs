@@ -22,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// Frames a second of the first output.
 pub const SAMPLE_RATE_HZ: u32 = 48_000;
 
-/// The output that is there from the beginning.
+/// Output that exists from the beginning.
 pub const OUT: Sink<'static> = Sink { name: "out", sample_rate_hz: SAMPLE_RATE_HZ };
 
 /// The configuration of applications with sound: with chroma attenuated, so that there is something to plan; `audio` is the section
@@ -130,7 +130,7 @@ impl Stage {
         Ok(std::fs::write(self.running.config_file(), configuration(audio))?)
     }
 
-    /// The program that plays lost its server: begins anew.
+    /// Starts another player after the server of the last one was lost.
     ///
     /// # Errors
     /// The server refuses.

@@ -1,4 +1,4 @@
-//! Sounds of known loudness, played into the server: the features that plans of hello_xr take are those of the samples.
+//! Sounds of known loudness, played into the server: the features in the plans of hello_xr equal the samples'.
 
 use parafovea_core::audio::{AudioFeatures, AudioSettings, Mode};
 use parafovea_ears::heard::Line;
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Loudness, LUFS: the range of paper A's study.
 const LEVELS: [f32; 3] = [-35.0, -22.0, -10.0];
 
-/// After how long a sound repeats itself, seconds: T_a is three times that.
+/// Period of a sound, seconds: T_a is three times that.
 const PERIOD_S: f64 = 1.0;
 
 /// When features are compared, seconds after the first sample went to the server.
@@ -44,7 +44,7 @@ fn heard(stage: &Stage, samples: Vec<f32>) -> Vec<Set> {
     stage.heard().iter().filter(|line| is_compared(line)).filter_map(set).collect()
 }
 
-/// Largest differences of the sets from those of the samples, LU and share, if both began with the same sample: the power
+/// Largest differences of the sets from the samples' sets, LU and share, if both began with the same sample: the power
 /// spectra of noise depend on the start of their frames. That sample is searched in steps, then around the best of them.
 fn differences(heard: &[Set], samples: &[f32], mode: Mode) -> Set {
     let settings = AudioSettings { mode, ..AudioSettings::default() };

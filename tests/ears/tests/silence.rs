@@ -1,4 +1,4 @@
-//! When sound stops, or nobody can hear it, plans soon take it for silence.
+//! When sound stops or is inaudible, plans soon take it for silence.
 
 use parafovea_ears::player::{Player, SHORT_BUFFER_MS};
 use parafovea_ears::signals::{Kind, sound};

@@ -39,9 +39,9 @@ impl Picture {
         &self.codes
     }
 
-    /// The same as a device with shading rates shows it: one sample for each block of pixels that `rate` says of its pixels, by column and row. The
-    /// sample lies at the block's centre, so that it is the mean of the pixels around that, in linear light: as many as the block has, up to four. Devices sample
-    /// textures at a level that fits the block, and edges of triangles stay sharp there; of both a picture knows nothing.
+    /// The image as shown by a device with shading rates: one sample for each block of pixels; `rate` is the block size at a pixel, by column and
+    /// row. The sample lies at the block's centre, so it is the mean of the pixels around the centre, in linear light: as many as the block has, up
+    /// to four. Devices sample textures at a level that fits the block, and keep edges of triangles sharp; an image cannot show either.
     pub fn shaded_at(&self, rate: impl Fn(u32, u32) -> ShadingRate) -> Self {
         let light = linear_of_code();
         let [last_x, last_y] = [self.width - 1, self.height - 1];

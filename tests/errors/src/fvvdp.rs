@@ -1,9 +1,9 @@
 //! Quality in just objectionable differences (JOD) by FovVideoVDP: the published program, at the true gaze.
 //!
 //! Mantiuk et al., "FovVideoVDP: A visible difference predictor for wide field-of-view video", ACM Transactions on Graphics
-//! 40(4), 2021; pyfvvdp on PyPI. 10 is no difference, and one less is what 75 % of people prefer the better one
-//! against. Its licence is CC BY-NC 4.0: **not for commercial use**. It is neither part of this repository nor needed for
-//! anything else here: [`Fvvdp::of`] takes the Python environment of the user.
+//! 40(4), 2021; pyfvvdp on PyPI. 10 is no difference; at a difference of one, 75 % of people prefer the better clip. Its
+//! licence is CC BY-NC 4.0: **not for commercial use**. It is neither part of this repository nor needed elsewhere in it:
+//! [`Fvvdp::of`] takes the Python environment of the user.
 
 use crate::clip::{Clip, Eye, Viewing};
 use glam::Vec2;
@@ -24,7 +24,7 @@ const ASK: &str =
 /// Why there is no JOD.
 #[derive(Debug, thiserror::Error)]
 pub enum FvvdpError {
-    /// A file or a program that is not there.
+    /// A missing file or program.
     #[error("{what}")]
     Io {
         /// The command.
@@ -114,7 +114,7 @@ struct Job {
 }
 
 impl Fvvdp {
-    /// The environment of a Python interpreter that is there. Nothing is installed.
+    /// The environment of an existing Python interpreter. Nothing is installed.
     ///
     /// # Errors
     /// [`FvvdpError::Python`]: it cannot be started, cannot import pyfvvdp or one of the packages that it needs, or has another version.

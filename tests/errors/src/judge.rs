@@ -35,7 +35,7 @@ pub enum JudgeError {
         /// Index of the frame.
         frame: usize,
     },
-    /// An eye that is not there in both clips and in all frames.
+    /// An eye that is not in all frames of both clips.
     #[error("frame {frame}: eye {eye} is in some frames and not in others")]
     Absent {
         /// Index of the frame.
@@ -77,8 +77,8 @@ pub fn judge(reference: &Clip, test: &Clip, viewing: &Viewing) -> Result<Report,
     Ok(judge.finish())
 }
 
-/// Judges frame by frame, so that a clip's pictures need not be in memory together. What it keeps is 4 bytes a pixel for
-/// each frame and eye.
+/// Judges frame by frame, so that a clip's images need not be in memory together. It keeps 4 bytes a pixel for each
+/// frame and eye.
 pub struct Judge {
     viewing: Viewing,
     opponent: Opponent,

@@ -30,9 +30,9 @@ pub enum Metric {
     Flicker,
     /// The same of the mean luminance of 16 x 16 pixels.
     AreaFlicker,
-    /// Difference between both eyes in how many frames old the picture is.
+    /// Difference between both eyes in the age of the image, frames.
     InterocularAge,
-    /// Difference between both eyes in how far the picture is displaced horizontally, arc minutes.
+    /// Difference between both eyes in the horizontal displacement of the image, arc minutes.
     InterocularDisparity,
 }
 

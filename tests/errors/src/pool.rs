@@ -162,8 +162,8 @@ impl Pool {
         self.frames.iter().map(mean).collect()
     }
 
-    /// As [`Self::frame_means`], the mean that probability summation takes: the root of the mean of powers of 3.5. For maps of JND; of what is
-    /// judged by tiles it is 0.
+    /// As [`Self::frame_means`], the mean of probability summation: the root of the mean of powers of 3.5. For maps of JND; 0 for metrics by
+    /// tiles.
     pub fn detected_in_frames(&self) -> Vec<Option<f64>> {
         let mean = |sums: &FrameSums| sums.powers / sums.pixels as f64;
         let detected = |sums: &FrameSums| (sums.pixels > 0).then(|| mean(sums).powf(1.0 / DETECTION));

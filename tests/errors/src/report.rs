@@ -53,7 +53,7 @@ pub struct Report {
     /// Each metric in each ring, in the order of [`Metric::ALL`] and outwards.
     pub rows: Vec<Row>,
     /// Each metric frame by frame, in the order of [`Metric::ALL`]: the mean over the whole view of both eyes. Empty for
-    /// what is judged over the whole clip, as flicker.
+    /// metrics of the whole clip, such as flicker.
     pub frame_means: Vec<Vec<Option<f64>>>,
     /// Likewise, the detected change: values add up over the view of both eyes by probability summation (a mean of powers of 3.5), so that
     /// a change far above the threshold counts, wherever it is, and many far below do not. For metrics in JND.

@@ -7,7 +7,7 @@
 use parafovea_core::perception::csf::{Stimulus, VisualField, castle};
 use std::f64::consts::PI;
 
-/// Length of the filters before and after a change, seconds. The gains are those of castleCSF to within 0.1.
+/// Length of the filters before and after a change, seconds. The gains equal castleCSF's to within 0.1.
 pub const HALF_LENGTH_S: f64 = 0.25;
 
 /// Steps of the integral over frequency.

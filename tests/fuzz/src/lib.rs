@@ -1,7 +1,7 @@
 //! Mutated inputs for all readers of foreign data: seeded and without coverage, so that it needs no special compiler.
 //!
-//! An input is made from those of `tests/corpus/TARGET` by flipping, removing, repeating and joining parts. A target panics where an
-//! invariant does not hold.
+//! An input is made from the files in `tests/corpus/TARGET` by flipping, removing, repeating and joining parts. A target panics if
+//! an invariant does not hold.
 
 mod targets;
 
@@ -67,7 +67,7 @@ impl Numbers {
     }
 }
 
-/// Runs a target, first with its corpus as it is; how many inputs it was given.
+/// Runs a target, first with its unchanged corpus; returns the number of its inputs.
 ///
 /// # Errors
 /// The first finding.

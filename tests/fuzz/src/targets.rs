@@ -68,8 +68,8 @@ fn manifest(input: &[u8]) {
     assert!(taken != [true; 2] || text.matches("name").count() >= 2, "{taken:?}");
 }
 
-/// Packets from two senders give a direction or none, and each is counted. Lines of an input are packets; the first byte of each says
-/// whose it is, and how much later it came.
+/// Packets from two senders give a direction or none, and each is counted. Lines of an input are packets; the first byte of each
+/// gives its sender and the time since the packet before.
 fn osc(input: &[u8]) {
     let (mut gaze, mut now_ns) = (OscGaze::new(45.0), 0i64);
     // No text has this byte.
@@ -141,7 +141,7 @@ fn scenario(input: &[u8]) {
     }
 }
 
-/// Shaders are read, never changed: invalid modules are told from valid ones, and the same each time.
+/// Shaders are read, never changed: invalid modules are distinguished from valid ones, and the same each time.
 fn spirv(input: &[u8]) {
     let words: Vec<u32> =
         input.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();

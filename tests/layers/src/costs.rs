@@ -1,8 +1,8 @@
-//! A layer that plants what frames cost: it answers timestamp queries as a GPU would on which the scene costs so much, and which
-//! gains so much where the scene has masks.
+//! A layer that plants the GPU time of frames: it answers timestamp queries like a GPU with a chosen cost of the scene and a
+//! chosen gain of masks.
 //!
-//! The device says that it is a discrete GPU, and runs nothing: command buffers are recorded and checked as ever, submits signal what they
-//! are to signal, and nobody waits for a rasterizer on a CPU. An hour of frames so passes in minutes. A command buffer costs something if it has
+//! The device reports that it is a discrete GPU, and runs nothing: command buffers are recorded and checked as ever, submits signal their fences
+//! and semaphores, and no time goes to a rasterizer on a CPU. An hour of frames so passes in minutes. A command buffer costs something if it has
 //! render passes with depth; the layer's own have none. It gains if a depth template is copied in it.
 
 mod normal;
@@ -41,7 +41,7 @@ pub struct PlantedCosts {
 pub struct CostsReport {
     /// Number of command buffers that cost something.
     pub frames: u64,
-    /// The numbers, from 0, of those with masks whose predecessor had none, and the other way round; before the first there was none.
+    /// Numbers, from 0, of the frames at which masks start or stop; before the first frame there are none.
     pub changes: Vec<u64>,
     /// Number of answered queries.
     pub answers: u64,

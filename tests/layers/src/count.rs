@@ -5,21 +5,20 @@
 //! just before its end, so that render passes are not touched.
 //!
 //! [`Samples`], the layer `samples`, counts the samples that pass depth and stencil tests, with precise occlusion queries around render
-//! passes: what is shaded where a driver tests early. It is there because invocations do not tell what an early depth
-//! test saves on lavapipe 22.3.6, which counts whole blocks of 4 x 4 pixels before the test (25.0.7 counts behind it).
-//! It sits *below* Parafovea, which an occlusion query above would change: Parafovea leaves a pass with such a query
-//! alone. Of the passes that it sees, it counts those that begin while the layer `count`, above, passes on the
-//! application's own call ([`application`]): not those that Parafovea adds.
+//! passes: the shaded samples if a driver tests early. It exists because invocations do not show the savings of an early depth test on
+//! lavapipe 22.3.6, which counts whole blocks of 4 x 4 pixels before the test (25.0.7 counts behind it). It sits *below* Parafovea,
+//! which an occlusion query above would change: Parafovea leaves a pass with such a query alone. It counts only passes that begin while
+//! the layer `count`, above, passes on the application's own call ([`application`]), no passes of Parafovea.
 //!
 //! [`Times`], the layer `times`, counts nanoseconds on the GPU, with a timestamp at the begin and the end of each primary command
-//! buffer, both written when all that came before is done. It sits below Parafovea, so that what Parafovea submits is timed too.
+//! buffer, both written when all earlier commands are done. It sits below Parafovea, so that Parafovea's submits are timed too.
 //!
 //! A result is read when the buffer's next use shows that the last has completed: before it is submitted again,
 //! recorded again, reset or freed. Nothing else waits. It is read per submit, so that a buffer recorded once and submitted
 //! often counts every time. (A buffer that is submitted again while its last submit waits for something that the application
 //! does later would wait for ever.)
 //!
-//! Not counted, with the reason in the report: what an application queries itself, as queries of one kind do not nest;
+//! Not counted, with the reason in the report: parts within the application's own queries, as queries of one kind do not nest;
 //! secondary command buffers where the device lacks `inheritedQueries`; the samples of suspended passes, of passes begun in secondary
 //! command buffers, and of more than [`MOST_PASSES`](buffers::MOST_PASSES) passes in a command buffer. Draws whose number is in a
 //! buffer (`vkCmdDrawIndirectCount`) are not among the draws.

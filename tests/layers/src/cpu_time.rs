@@ -1,4 +1,4 @@
-//! The CPU time of this process, as the mock runtime records it too: both tell in which frame something was.
+//! The CPU time of this process, as the mock runtime records it too: both relate an event to its frame.
 
 /// Nanoseconds of CLOCK_PROCESS_CPUTIME_ID.
 pub(crate) fn process_cpu_ns() -> u64 {

@@ -72,7 +72,7 @@ impl Layer for DropBarrier {
 }
 
 impl DropBarrier {
-    /// The barriers without those that match.
+    /// The barriers that do not match.
     fn keep<T: Copy>(&self, barriers: &[T], matches: impl Fn(&Pattern, &T) -> bool) -> Vec<T> {
         let drops = |barrier: &&T| !self.pattern.as_ref().is_some_and(|pattern| matches(pattern, barrier));
         let kept: Vec<T> = barriers.iter().filter(drops).copied().collect();

@@ -1,6 +1,6 @@
-//! Two layers that make chosen calls fail: `faults`, directly below Parafovea, does it, and `calls`, above Parafovea, lets it tell
-//! whose a call is. A call that comes down while the same one of the application, or of the runtime, goes through `calls` is that
-//! one; every other is Parafovea's own. Without `calls` all are taken to be its own.
+//! Two layers that make chosen calls fail: `faults`, directly below Parafovea, fails them, and `calls`, above Parafovea,
+//! identifies the caller. A call that reaches `faults` while the same call of the application, or of the runtime, goes through
+//! `calls` is that call; every other is Parafovea's own. Without `calls` all are taken to be its own.
 
 mod functions;
 
@@ -50,16 +50,16 @@ pub struct VulkanFault {
 pub struct FaultReport {
     /// Parafovea's own calls of functions that can fail, by name.
     pub own: BTreeMap<String, u64>,
-    /// Of those, the calls on threads of Parafovea: where neither application nor runtime has called.
+    /// Of these, the calls on threads of Parafovea, where neither application nor runtime has called.
     pub own_on_threads: BTreeMap<String, u64>,
     /// Calls of the application and of the runtime.
     pub application: BTreeMap<String, u64>,
-    /// Calls that were made to fail, without those of a device that is lost.
+    /// Failed calls, except calls on a lost device.
     pub failed: u64,
 }
 
-/// A call: its function, and the key that tells it from another one of that function. Of submits that is the fence: Parafovea's own work
-/// has fences of its own.
+/// A call: its function, and a key that distinguishes calls of that function. The key of submits is the fence: Parafovea's own work has
+/// fences of its own.
 #[derive(Clone, Copy, PartialEq)]
 struct Call {
     name: &'static CStr,
@@ -223,7 +223,7 @@ impl Faults {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Counts a call, and says whether and how it is to fail.
+    /// Counts a call, and returns the result with which it is to fail, if any.
     fn failure(&self, call: Call) -> Option<vk::Result> {
         let whose = whose(call);
         let name = call.name.to_str().unwrap_or_default();

@@ -40,7 +40,7 @@ pub(crate) struct DeviceLink {
     pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
 }
 
-/// `VkLayerInstanceCreateInfo` and `VkLayerDeviceCreateInfo`, where `function` says that there is a link.
+/// `VkLayerInstanceCreateInfo` and `VkLayerDeviceCreateInfo`, with a link according to `function`.
 #[repr(C)]
 struct LayerCreateInfo<Link> {
     s_type: vk::StructureType,

@@ -1,5 +1,5 @@
 //! Common parts of the layers: creation and destruction of instances and devices, and the way to the next layer's functions. A layer adds
-//! hooks, and what it keeps for a device.
+//! hooks, and its state of a device.
 //!
 //! A panic ends the process: these layers are for tests, which are to notice.
 
@@ -53,7 +53,7 @@ pub(crate) struct Instance {
     handle: vk::Instance,
     /// The version that the application asked for.
     pub api_version: u32,
-    /// Whether VK_KHR_get_physical_device_properties2 is there, from the extension or Vulkan 1.1.
+    /// Whether VK_KHR_get_physical_device_properties2 is available, from the extension or Vulkan 1.1.
     pub properties2: bool,
     get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
@@ -110,7 +110,7 @@ type Function = unsafe extern "system" fn();
 /// The next layer of a device.
 pub(crate) struct NextDevice {
     get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
-    /// Its functions. ash's stand-in for one that is missing panics: hooks call only what the next layer has.
+    /// Its functions. ash's stand-in for a missing one panics: hooks call only functions of the next layer.
     pub functions: ash::Device,
 }
 

@@ -1,7 +1,7 @@
 //! Eleven Vulkan layers for tests and benches, and an OpenXR layer ([`CAPTURE_LAYER`]), in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
-//! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
+//! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for the cost of any layer.
 //! - `VK_LAYER_PARAFOVEA_TEST_above` does nothing either, above Parafovea.
 //! - `VK_LAYER_PARAFOVEA_TEST_count` counts fragment shader invocations, draws and submits ([`Count`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_samples` counts the samples that pass depth and stencil tests in the application's render
@@ -12,20 +12,20 @@
 //! - `VK_LAYER_PARAFOVEA_TEST_shading_rate` makes a device look as if it had `VK_KHR_fragment_shading_rate`,
 //!   and checks its use ([`ShadingRateLine`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_two_queues` gives a device with one queue a second one; it must be the lowest.
-//! - `VK_LAYER_PARAFOVEA_TEST_faults` makes chosen calls fail, directly below Parafovea, where `VK_LAYER_PARAFOVEA_TEST_calls`, above it,
-//!   tells whose they are ([`VulkanFault`]).
+//! - `VK_LAYER_PARAFOVEA_TEST_faults` makes chosen calls fail, directly below Parafovea; `VK_LAYER_PARAFOVEA_TEST_calls`, above it,
+//!   identifies the callers ([`VulkanFault`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_costs` plants the GPU time of frames, and runs none of them ([`PlantedCosts`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_live` counts live objects and device memory ([`LiveObjects`]), directly below Parafovea, with `calls` above it.
 //!
 //! # Order
 //!
-//! The Vulkan loader (as of 1.3.239) puts implicit layers nearest to the application, in the order in which
-//! it finds their manifests, then those of `VK_INSTANCE_LAYERS`, in its order. Parafovea is implicit, so a
-//! layer named in `VK_INSTANCE_LAYERS` is below it, and `drop_barrier:VK_LAYER_KHRONOS_validation` puts the
-//! former above the latter. `shading_rate` must be below Parafovea and above the validation layer, to which it
-//! passes nothing of the extension. To have a layer above Parafovea, name Parafovea in `VK_INSTANCE_LAYERS` too, behind
-//! that layer, and leave its implicit manifest out; or make that layer implicit ([`TestLayer::implicit_manifest`])
-//! and put its manifest into `XDG_CONFIG_HOME`, which is searched before `XDG_DATA_HOME`.
+//! The Vulkan loader (as of 1.3.239) puts implicit layers nearest to the application, in the order in which it finds
+//! their manifests, then the layers of `VK_INSTANCE_LAYERS`, in its order. Parafovea is implicit, so a layer named in
+//! `VK_INSTANCE_LAYERS` is below it, and `drop_barrier:VK_LAYER_KHRONOS_validation` puts the former above the latter.
+//! `shading_rate` must be below Parafovea and above the validation layer, to which it passes nothing of the extension.
+//! To have a layer above Parafovea, name Parafovea in `VK_INSTANCE_LAYERS` too, behind that layer, and leave its
+//! implicit manifest out; or make that layer implicit ([`TestLayer::implicit_manifest`]) and put its manifest into
+//! `XDG_CONFIG_HOME`, which is searched before `XDG_DATA_HOME`.
 
 mod capture;
 mod costs;

@@ -1,5 +1,5 @@
 //! A layer that counts live objects and device memory, Parafovea's apart from the application's and the runtime's. It is directly below
-//! Parafovea, and `calls` above it tells whose a call is. Each vkDeviceWaitIdle of the application appends a line to a file.
+//! Parafovea, and `calls` above it identifies the caller. Each vkDeviceWaitIdle of the application appends a line to a file.
 
 mod budget;
 mod functions;
@@ -26,7 +26,7 @@ pub const BUDGET_VARIABLE: &str = "PARAFOVEA_TEST_MEMORY_BUDGET";
 pub struct LiveObjects {
     /// Seconds since the device was made.
     pub seconds: f64,
-    /// Memory of the process that is there, bytes.
+    /// Resident memory of the process, bytes.
     pub resident: u64,
     /// Threads of the process.
     pub threads: u64,

@@ -22,7 +22,7 @@ pub enum TestLayer {
     ShadingRate,
     /// Offers a second queue where there is one.
     TwoQueues,
-    /// Tells [`TestLayer::Faults`] and [`TestLayer::Live`] which calls are the application's.
+    /// Marks the application's calls for [`TestLayer::Faults`] and [`TestLayer::Live`].
     Calls,
     /// Makes chosen calls fail.
     Faults,
@@ -96,7 +96,7 @@ impl TestLayer {
     ///
     /// # Errors
     ///
-    /// Those of writing a file.
+    /// Errors of writing a file.
     pub fn write_manifests(library: &Path, folder: &Path) -> std::io::Result<()> {
         std::fs::create_dir_all(folder)?;
         for layer in Self::ALL {

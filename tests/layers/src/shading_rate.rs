@@ -1,5 +1,5 @@
-//! A layer that makes a device without `VK_KHR_fragment_shading_rate` look as if it had it, checks that it is used
-//! as the specification says, and writes down the map of every pass that is executed.
+//! A layer that makes a device without `VK_KHR_fragment_shading_rate` look as if it had it, checks its use against
+//! the specification, and records the map of every executed pass.
 //!
 //! It stands in for several devices ([`ShadingRateProfile`]), and must be above the validation layer, to which it
 //! passes nothing of the extension: structures are left out, flags and layouts replaced (`lower`). A render pass
@@ -8,12 +8,12 @@
 //!
 //! Findings are Valid Usage IDs where the specification has one, and the layer's own rules where not: the map must
 //! be loaded, readable at the rate stage when the pass begins (`replay`), and hold only rates of the device
-//! (`map`). What a dispatch writes into the image is not followed; validation below sees a barrier that is missing
+//! (`map`). The writes of a dispatch to the image are not followed; validation below reports a missing barrier
 //! there, at the layer's copy.
 //!
-//! Not stood in for: the shaders' own rates (`PrimitiveShadingRateKHR`, `ShadingRateKHR`), and the look: every
-//! pixel is shaded, whatever the map says. A layout of the extension in a descriptor, which is never legal, goes
-//! down as it is, for validation to find.
+//! Not emulated: the shaders' own rates (`PrimitiveShadingRateKHR`, `ShadingRateKHR`), and the look: every pixel is
+//! shaded, with any map. A layout of the extension in a descriptor, which is never legal, goes down as it is, for
+//! validation to find.
 
 mod barrier;
 mod capture;

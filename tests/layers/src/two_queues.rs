@@ -2,8 +2,8 @@
 //! applications that need two, on lavapipe. A device with one family has another one with the same properties, whose only queue is that
 //! queue again.
 //!
-//! It is the lowest, below validation, which thus sees two queues. What is submitted to both runs in the order of the submits: more order
-//! than an application may rely on, so that a semaphore that is missing between queues shows in validation alone.
+//! It is the lowest, below validation, which thus sees two queues. Work on both runs in the order of the submits: more order than an
+//! application may rely on, so that a missing semaphore between queues shows in validation alone.
 
 use crate::functions::functions;
 use crate::layer::{Instance, Layer, NextDevice, Tracked, device_of, hooks, instance_of};
@@ -144,7 +144,7 @@ impl TwoQueues {
         handle
     }
 
-    /// Calls with the device's own handle of a queue; nobody else does meanwhile.
+    /// Calls with the device's own handle of a queue, one caller at a time.
     fn with<R>(&self, queue: vk::Queue, call: impl FnOnce(vk::Queue) -> R) -> R {
         let seconds = self.seconds();
         let own = seconds.iter().find(|known| known.handle() == queue).map_or(queue, |known| known.queue);

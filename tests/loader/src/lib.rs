@@ -1,8 +1,8 @@
 //! Builds the Khronos OpenXR loader 1.1 as a shared library, so that unmodified programs can be tested with
 //! it beside the distribution's older one: `LD_LIBRARY_PATH=<directory> hello_xr -g Vulkan2`.
 //!
-//! The sources are those that the `openxr-sys` package brings along, so nothing is downloaded. CMake and a
-//! C++ compiler are needed; the build takes about ten seconds, once.
+//! The sources come with the `openxr-sys` package, so nothing is downloaded. CMake and a C++ compiler are needed;
+//! the build takes about ten seconds, once.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -14,11 +14,11 @@ use serde_json::Value;
 /// The loader's file name, as programs ask for it.
 pub const FILE_NAME: &str = "libopenxr_loader.so.1";
 
-/// Builds the loader below `target` (cargo's target directory, say) unless it is there, and gives the
-/// directory that holds [`FILE_NAME`].
+/// Builds the loader below `target` (cargo's target directory, for example) unless it exists, and returns the
+/// directory of [`FILE_NAME`].
 ///
 /// # Errors
-/// If cargo, CMake or the C++ compiler is missing or fails; the text has what it printed.
+/// If cargo, CMake or the C++ compiler is missing or fails; the text contains its output.
 pub fn build(target: &Path) -> Result<PathBuf> {
     let source = source()?;
     fs::create_dir_all(target)?;

@@ -1,7 +1,8 @@
 //! `cargo dev bench budget`: shading and loss of rates on six stills, by the look of hardware rates, by way of spending an error budget.
 //!
-//! One eye looks straight ahead. The planner makes the maps, as `decide` does on the GPU. A still at a rate shows one sample for each block of pixels: the
-//! mean of those around its centre, as a texture does that is sampled at a level that fits, or one of them, as an edge or a highlight does.
+//! The gaze of one eye is at the centre of the view. The planner makes the maps, as `decide` does on the GPU. A still at a rate shows one sample for
+//! each block of pixels: the mean of the pixels around its centre, like a texture that is sampled at a fitting level, or one of these pixels, like an
+//! edge or a highlight.
 
 #[path = "budget/maps.rs"]
 mod maps;

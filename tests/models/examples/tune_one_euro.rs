@@ -1,6 +1,6 @@
 //! Parameters of the One Euro filter with which the region at full rate is smallest at 99 % hits, for trackers of 60 to 120 Hz:
-//! the baseline of `cargo dev bench models`. The seeds are others than those reported. The cut-off of the speed begins at the
-//! 1 Hz of the filter's authors: with a slower one, speed does not tell a saccade, and the region is inflated by nothing.
+//! the baseline of `cargo dev bench models`. The seeds differ from the reported ones. The cut-off of the speed begins at the 1
+//! Hz of the filter's authors: with a slower one, speed does not show a saccade, and the region is not inflated.
 
 use parafovea_models::eyes::{Method, Radius, TUNING_SEEDS, TrackerModel, follow};
 

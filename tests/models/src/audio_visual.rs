@@ -1,7 +1,8 @@
-//! Paper A on pictures: how many fragments sound saves, by loudness and pitch, against fixed foveation.
+//! Paper A on images: fragments saved by sound, by loudness and pitch, against fixed foveation.
 //!
-//! One eye of paper A's headset looks straight ahead. *Paper*: Tursun's sensitivity, the mean contrast of a tile and no safety limit.
-//! *castleCSF*: its sensitivity in place of Tursun's, the greatest contrast of a tile, no safety limit. *Default*: that, within the safety limits.
+//! The gaze of one eye of paper A's headset is at the centre of the view. *Paper*: Tursun's sensitivity, the mean contrast of a tile and no safety
+//! limit. *castleCSF*: its sensitivity in place of Tursun's, the greatest contrast of a tile, no safety limit. *Default*: that, within the safety
+//! limits.
 
 mod report;
 

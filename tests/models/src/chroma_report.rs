@@ -1,8 +1,8 @@
 //! The share of chroma that is kept, by each possible definition of paper C's "31-37 %".
 //!
-//! Paper C gives one range and no definition. The mean over a disc of what is *kept*, averaged over both channels,
-//! spans 31.28 % to 37.22 % over its bounds; the saving of the whole signal along a line spans 31.5 % to 36.5 %. Both
-//! are reported, and so are the plain ones.
+//! Paper C gives one range and no definition. The mean share of chroma that is *kept* over a disc, averaged over both
+//! channels, spans 31.28 % to 37.22 % over its bounds; the saving of the whole signal along a line spans 31.5 % to
+//! 36.5 %. Both are reported, and so are the plain ones.
 
 use glam::{Vec2, Vec3};
 use parafovea_core::chroma::{Curves, Gains};

@@ -1,8 +1,8 @@
-//! Synthetic gaze with known truth, a simulated eye tracker, and how well the region at full rate follows:
+//! Synthetic gaze with known truth, a simulated eye tracker, and the accuracy of the region at full rate:
 //! [`GazeTracker`](parafovea_core::gaze::GazeTracker) beside an unfiltered tracker and the One Euro filter.
 //!
-//! All of it is made from seeds. Those of [`TUNING_SEEDS`] may be looked at to choose parameters (of both filters); what is
-//! reported comes from [`SEEDS`].
+//! All of it is made from seeds. [`TUNING_SEEDS`] may be used to choose parameters (of both filters); reported figures come
+//! from [`SEEDS`].
 
 mod baselines;
 mod path;

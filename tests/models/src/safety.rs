@@ -1,8 +1,8 @@
 //! Cost of the safety limits while the eyes move, and loss at the true gaze: shares of fully shaded pixels and losses of visible contrast,
 //! by the [`Planner`] behind a [`GazeTracker`], in simulated time.
 //!
-//! Every tile shows the same contrast in each octave, so that no place of the view hides a coarse rate. Losses are those of
-//! castleCSF at each eye's true gaze in the frame that is shown, whatever the tracker says.
+//! Every tile shows the same contrast in each octave, so that no place of the view hides a coarse rate. Losses are
+//! castleCSF's at each eye's true gaze in the shown frame, regardless of the tracker.
 
 mod report;
 
@@ -166,7 +166,7 @@ impl Mean {
 /// Measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Score {
-    /// Over all frames, those of blinks too; losses without.
+    /// Over all frames, including blinks; losses exclude blinks.
     pub all: Mean,
     /// By [`When::ALL`].
     pub when: [Mean; 3],

@@ -181,8 +181,8 @@ fn one_region_of_both_eyes_is_what_geometry_says() {
     assert!((union_area_deg2(5.0, 0.0) / cap - 1.0).abs() < 1e-12);
 }
 
-/// The table of `cargo dev bench gaze`, at four of its lines: the eye movements are those of the committed table, and the errors of the
-/// tracker before are undercut where a sample has told of a saccade, and nowhere exceeded.
+/// The table of `cargo dev bench gaze`, at four of its lines: the eye movements equal the committed table's; errors are below the
+/// earlier tracker's where a sample shows a saccade, and nowhere above.
 #[test]
 fn the_gaze_at_display_time_is_nearer_to_the_eyes_than_before() {
     use parafovea_models::prediction::{Frames, Predictor, SEEDS, before, measure};

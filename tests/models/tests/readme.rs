@@ -1,4 +1,4 @@
-//! Figures and images of `core/README.md` and `manifest/HOW-IT-WORKS.md` are those of the code.
+//! Figures and images of `core/README.md` and `manifest/HOW-IT-WORKS.md` match the code.
 
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 

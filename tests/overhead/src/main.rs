@@ -1,5 +1,5 @@
-//! Programs that the benches run, through the Vulkan loader and whatever layers the environment puts there: one that measures the
-//! CPU time of recording, one that shades pixels of a chosen cost.
+//! Programs for the benches, run through the Vulkan loader and the layers of the environment: one that measures the CPU time of
+//! recording, one that shades pixels of a chosen cost.
 
 mod buffer;
 mod cpu_time;

@@ -105,8 +105,8 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Records everything anew: passes that draw off screen, of which the last two draw to these images of the eyes, where
-    /// there are eyes. The last recording's submit must have completed.
+    /// Records everything again: offscreen passes, of which the last two draw to these images of the eyes if there are
+    /// eyes. The last recording's submit must have completed.
     // By its name Valgrind is told what to count.
     #[inline(never)]
     pub fn record(&self, amount: Amount, eyes: Option<[usize; 2]>) -> Result<vk::CommandBuffer> {

@@ -29,15 +29,15 @@ struct Size {
 /// One picture or clip, encoded at one setting.
 struct Encoded {
     size: Size,
-    /// Sum of the squared differences of luma's codes from those that were encoded.
+    /// Sum of the squared differences of the decoded luma codes from the encoder's input.
     squared_error: f64,
     pixels: u64,
 }
 
-/// Encodes pictures of two runs, without and with the technique, by JPEG, and by H.264 where the system has ffmpeg with libx264.
+/// Encodes images of two runs, without and with the technique, by JPEG, and by H.264 if the system has ffmpeg with libx264.
 ///
-/// Quality is how well luma comes through the encoder: each run's is compared with that run's own pictures. Codes of luma are not
-/// light: less colour of the same luminance has other codes, which is no loss. What the eye makes of it is the errors' to say.
+/// Quality is the fidelity of luma through the encoder: each run is compared with its own images. Codes of luma are not light:
+/// less colour of the same luminance has other codes, which is no loss. The errors measure the visible loss.
 ///
 /// # Errors
 /// [`HarnessError::File`] where a picture was not saved, [`HarnessError::Application`] where an encoder fails.
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    /// Codes of luma that differ from those of the other run were encoded so.
+    /// Luma codes that differ between the runs are no loss of the encoder.
     #[test]
     fn another_luma_is_no_loss() {
         let brighter = |picture: &Picture| {

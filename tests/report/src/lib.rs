@@ -1,8 +1,8 @@
 //! `cargo dev report`: speed against error, as a page, as Markdown, as CSV.
 //!
-//! [`plan::Plan`] says what is measured: [`points`] in sweeps, in scenes. [`measure()`] does it and gives [`results::Results`], which
-//! are kept as a file, here or, of a GPU, among the sources ([`gpu`]). From them [`verdict`] says who loses less at equal cost, with the
-//! [`statistics`]; [`advice`] says what to switch on; [`page`], [`table`] and [`plot`] show it.
+//! [`plan::Plan`] lists the measurements: [`points`] in sweeps, in scenes. [`measure()`] makes them and returns [`results::Results`],
+//! which are kept as a file, here or, of a GPU, among the sources ([`gpu`]). From them [`verdict`] finds the sweep with less loss at
+//! equal cost, with the [`statistics`]; [`advice`] recommends options; [`page`], [`table`] and [`plot`] show it.
 
 #![forbid(unsafe_code)]
 

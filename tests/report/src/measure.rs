@@ -27,7 +27,7 @@ use std::thread::{self, available_parallelism};
 /// Measures all of `plan`; images go to `pictures`, and `command` is the typed command.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn measure(plan: &Plan, command: &str, pictures: &mut Pictures) -> Result<(Results, f64), HarnessError> {
     let machine = Machine::of(plan.driver)?;
     eprintln!("{machine}");
@@ -43,7 +43,7 @@ pub fn measure(plan: &Plan, command: &str, pictures: &mut Pictures) -> Result<(R
     Ok((Results { conditions, scenes, hardware, fine, hard_cases: hard_cases() }, progress.seconds()))
 }
 
-/// Somebody in a scene whose eyes jump so many frames after the start.
+/// A user in a scene, with a saccade at frame `jump`.
 fn subject(plan: &Plan, scene: SceneName, machine: &Machine, jump: u64) -> Subject {
     Subject::before_a_saccade(scene, plan.tracker, jump).on(machine)
 }

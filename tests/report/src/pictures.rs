@@ -24,8 +24,8 @@ impl Pictures {
         Ok(Self { folder: folder.to_owned() })
     }
 
-    /// Keeps an eye's view, and the map of its pass if there is one. A picture that cannot be written is left out of the report, with a
-    /// line that says so.
+    /// Keeps an eye's view, and the map of its pass if there is one. An image that cannot be written is left out of the report, with a
+    /// line about it.
     pub fn keep(&mut self, scene: &str, technique: &str, seen: &Picture, map: Option<&Picture>) {
         let mut small = seen.clone();
         while small.width > SIDE && small.height > 1 {

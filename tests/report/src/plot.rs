@@ -8,7 +8,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::RGBColor;
 
-/// The sweeps that have a line, and its colour, told apart by the colour-blind too (Okabe and Ito).
+/// The sweeps that have a line, and its colour, safe for the colour-blind (Okabe and Ito).
 const SWEEPS: [(Sweep, RGBColor); 11] = [
     (Sweep::RenderScale, RGBColor(86, 86, 86)),
     (Sweep::FixedFoveation, RGBColor(230, 159, 0)),

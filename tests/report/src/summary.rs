@@ -11,13 +11,13 @@ pub struct Row {
     pub sweep: Sweep,
     /// Its name.
     pub technique: String,
-    /// Fragment shader invocations over those of the application alone.
+    /// Fragment shader invocations relative to the application alone.
     pub fragments: f64,
     /// Samples that passed the depth test, likewise.
     pub samples: Option<f64>,
     /// Time of a frame, milliseconds.
     pub ms: Option<f64>,
-    /// The same over that of the application alone.
+    /// The same relative to the application alone.
     pub ratio: Option<f64>,
     /// The 99th percentile of a frame, milliseconds.
     pub p99_ms: Option<f64>,

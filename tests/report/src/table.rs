@@ -94,7 +94,7 @@ pub fn hardware_rows(results: &Results) -> Vec<Vec<String>> {
     techniques.map(|point| row(&point.technique)).collect()
 }
 
-/// The same as Markdown, with how many scenes are won at an equal share of shaded pixels.
+/// The same as Markdown, with the number of scenes won at an equal share of shaded pixels.
 fn hardware_markdown(results: &Results) -> String {
     if results.hardware.is_empty() {
         return String::new();
@@ -140,7 +140,7 @@ const FIGURES: [&str; 10] = [
 /// All scenes, a line for each technique; unknown values are empty.
 ///
 /// # Errors
-/// Those of writing into memory, which do not happen.
+/// Errors of writing into memory, which do not happen.
 pub fn csv(results: &Results) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let rings = RING_NAMES.map(|ring| format!("sustained_jnd_{ring}"));

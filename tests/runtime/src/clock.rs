@@ -6,7 +6,7 @@ use std::time::Duration;
 /// Display time of the first frame of a simulated clock, in nanoseconds: OpenXR times are positive.
 const SIMULATED_START_NS: i64 = 1_000_000_000;
 
-/// The runtime's clock. Times are `XrTime`: nanoseconds; on the real clock those of `CLOCK_MONOTONIC`.
+/// The runtime's clock. Times are `XrTime`: nanoseconds; on the real clock, of `CLOCK_MONOTONIC`.
 #[derive(Clone, Debug)]
 pub(crate) struct Clock {
     mode: scenario::ClockMode,

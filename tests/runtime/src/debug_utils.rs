@@ -1,4 +1,4 @@
-//! `XR_EXT_debug_utils`: messengers hear of every broken rule; names and labels are accepted.
+//! `XR_EXT_debug_utils`: messengers receive every broken rule; names and labels are accepted.
 
 use crate::abi::pointers::{In, Out};
 use crate::fault::{Fault, section};
@@ -18,7 +18,7 @@ pub(crate) struct Messenger {
 }
 
 impl Messenger {
-    /// Whether broken rules are to be told.
+    /// Whether the messenger wants broken rules.
     pub fn wants_errors(&self) -> bool {
         self.wants(
             xr::DebugUtilsMessageSeverityFlagsEXT::ERROR,
@@ -35,7 +35,7 @@ impl Messenger {
     }
 }
 
-/// Tells messengers of a broken rule; without the lock, since they may call back.
+/// Reports a broken rule to messengers; without the lock, since they may call back.
 pub(crate) fn tell(messengers: &[Messenger], call: &str, result: &str, fault: &Fault) {
     if messengers.is_empty() {
         return;

@@ -38,7 +38,7 @@ impl FrameLoop {
     }
 }
 
-/// A frame under way.
+/// A frame in progress.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     display_time: i64,
@@ -102,7 +102,7 @@ enum Next {
     TryAgain,
 }
 
-/// The next frame of a session, which may become visible or focused with it, and how long it is away.
+/// The next frame of a session, which may become visible or focused with it, and the time until it.
 fn next_frame(runtime: &mut Runtime, session: xr::Session) -> Result<(Frame, Duration), Fault> {
     let waiting = runtime.sessions.get_mut(session)?;
     waiting.check_running()?;

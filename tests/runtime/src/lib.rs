@@ -1,8 +1,8 @@
 //! A strict, scripted OpenXR runtime without a headset, for tests.
 //!
 //! As a shared library (`libparafovea_mock_runtime.so`) it is found by the OpenXR loader through a manifest
-//! ([`write_runtime_manifest`], `XR_RUNTIME_JSON`); one scenario file ([`scenario`]) says what headset it
-//! pretends to be and what its wearer does; what the application does is recorded ([`record`]). `README.md` is the manual.
+//! ([`write_runtime_manifest`], `XR_RUNTIME_JSON`); one scenario file ([`scenario`]) describes the headset and the actions
+//! of its wearer; the application's calls are recorded ([`record`]). `README.md` is the manual.
 
 mod abi;
 mod actions;

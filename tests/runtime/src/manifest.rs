@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// `dir`. Its path, which is returned, is for the environment variable `XR_RUNTIME_JSON`.
 ///
 /// # Errors
-/// Those of reading the working directory (a relative `so_path`) and of writing the file.
+/// Errors of reading the working directory (a relative `so_path`) and of writing the file.
 pub fn write_runtime_manifest(dir: &Path, so_path: &Path) -> io::Result<PathBuf> {
     let manifest = serde_json::json!({
         "file_format_version": "1.0.0",

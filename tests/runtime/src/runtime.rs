@@ -49,7 +49,7 @@ pub(crate) struct Runtime {
 
 static RUNTIME: LazyLock<Mutex<Runtime>> = LazyLock::new(|| Mutex::new(Runtime::from_environment()));
 
-/// Runs a call: alone, with its fault recorded and told to the debug messengers. A panic of ours is
+/// Runs a call: alone, with its fault recorded and reported to the debug messengers. A panic of ours is
 /// `XR_ERROR_RUNTIME_FAILURE`.
 pub(crate) fn call(name: &'static str, body: impl FnOnce(&mut Runtime) -> Outcome) -> xr::Result {
     let run = || {
@@ -90,7 +90,7 @@ pub(crate) fn turns() -> Option<Arc<Turns>> {
     RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).turns.clone()
 }
 
-/// Whether a frame of the session is under way.
+/// Whether a frame of the session is in progress.
 pub(crate) fn is_in_frame(session: xr::Session) -> bool {
     let runtime = RUNTIME.lock().unwrap_or_else(PoisonError::into_inner);
     runtime.sessions.get(session).is_ok_and(|session| session.frames.is_in_frame())
@@ -155,7 +155,7 @@ impl Runtime {
         happening
     }
 
-    /// A structure parameter. What its chain holds beyond what is known is skipped, with a warning in the record.
+    /// A structure parameter. Unknown structures in its chain are skipped, with a warning in the record.
     pub fn read<'a, T: Structure>(&mut self, parameter: &'a In<T>) -> Result<Valid<'a, T>, Fault> {
         let structure = parameter.get()?;
         for ty in structure.unexpected() {

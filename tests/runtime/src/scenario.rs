@@ -104,7 +104,7 @@ pub struct Session {
     pub visible_from: u64,
     /// The session's frame from which on it is focused; not before it is visible.
     pub focused_from: u64,
-    /// The session's frames of which `xrWaitFrame` says that they need not be rendered.
+    /// The session's frames for which `xrWaitFrame` returns `shouldRender` false.
     pub should_render_off: Vec<u64>,
 }
 
@@ -134,7 +134,7 @@ pub struct System {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tracker {
-    /// Whether `xrGetSystemProperties` tells of an eye tracker that is there.
+    /// Whether `xrGetSystemProperties` reports an existing eye tracker.
     pub reported: bool,
     /// Whether the action of the gaze ever becomes active.
     pub active: bool,
@@ -371,8 +371,8 @@ impl Scenario {
     /// Reads a scenario file. [`Output::dir`] becomes absolute, or relative to the working directory.
     ///
     /// # Errors
-    /// The file cannot be read, is no TOML, has an unknown key, or a value outside what its key allows; the message
-    /// names the file, the key and what is allowed.
+    /// The file cannot be read, is no TOML, has an unknown key, or a value outside its key's range; the message
+    /// names the file, the key and the range.
     pub fn load(file: &Path) -> Result<Self, ScenarioError> {
         let failed = |reason: String| ScenarioError { file: file.to_owned(), reason };
         let text = std::fs::read_to_string(file).map_err(|error| failed(error.to_string()))?;

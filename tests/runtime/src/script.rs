@@ -43,7 +43,7 @@ fn orientation(yaw_deg: f32, pitch_deg: f32, roll_deg: f32) -> Quat {
     Quat::from_euler(EulerRot::YXZ, yaw_deg.to_radians(), pitch_deg.to_radians(), roll_deg.to_radians())
 }
 
-/// The keyframes before and after `t`, and how far `t` is between them (0 to 1). Outside, the nearest twice.
+/// The keyframes before and after `t`, and the position of `t` between them (0 to 1). Outside, the nearest twice.
 fn around<T>(frames: &[T], time: impl Fn(&T) -> f64, t: f64) -> Option<(&T, &T, f32)> {
     let next = frames.partition_point(|frame| time(frame) <= t);
     let from = frames.get(next.saturating_sub(1))?;

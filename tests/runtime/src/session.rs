@@ -37,14 +37,14 @@ impl Session {
         Err(Fault::new(xr::Result::ERROR_SESSION_NOT_RUNNING, section::SESSION_CONTROL, message))
     }
 
-    /// Whether the application's picture is seen.
+    /// Whether the application's image is visible.
     pub fn is_visible(&self) -> bool {
         matches!(self.state, SessionState::VISIBLE | SessionState::FOCUSED)
     }
 }
 
 impl Runtime {
-    /// Brings a session into another state, which its instance is told.
+    /// Brings a session into another state, with an event of its instance.
     pub fn enter(&mut self, handle: xr::Session, state: SessionState) -> Result<(), Fault> {
         let time = self.now();
         let session = self.sessions.get_mut(handle)?;
@@ -56,7 +56,7 @@ impl Runtime {
         Ok(())
     }
 
-    /// Takes a running session, state by state, from where it is to STOPPING.
+    /// Takes a running session, state by state, from its current state to STOPPING.
     pub fn stop(&mut self, handle: xr::Session) -> Result<(), Fault> {
         let order = [SessionState::VISIBLE, SessionState::SYNCHRONIZED, SessionState::STOPPING];
         let reached = match self.sessions.get(handle)?.state {

@@ -1,4 +1,4 @@
-//! Frames in turn with those of other applications, so that a disturbance of the machine affects all alike.
+//! Frames in turn with other applications' frames, so that a disturbance of the machine affects all alike.
 
 use crate::clock::process_cpu_ns;
 use std::io::{Error, Read, Result};
@@ -29,7 +29,7 @@ impl Turns {
         self.held_cpu_ns.load(Ordering::Relaxed)
     }
 
-    /// Asks for a frame, which says that the one before is done, and waits for it.
+    /// Asks for a frame, which marks the one before as done, and waits for it.
     pub fn next(&self) {
         let mut stream = self.stream.lock().unwrap_or_else(PoisonError::into_inner);
         // Not `write`, which would kill an application that does not ignore SIGPIPE.

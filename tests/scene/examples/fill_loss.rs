@@ -41,9 +41,9 @@ struct Mask {
 enum Shares {
     /// The number given by the tile's rate, as in the layer.
     Planned,
-    /// Twice as many, and half where the rate says so.
+    /// Twice as many as planned; as planned if that is all or half of them.
     StepFiner,
-    /// One in so many at least.
+    /// At least one block in this number.
     AtLeast(u32),
 }
 
@@ -101,7 +101,7 @@ impl Light {
     }
 }
 
-/// Degrees from the gaze, which is straight ahead, of a place in the picture, 0..=1 along each axis.
+/// Eccentricity of a position in the image, 0..=1 along each axis, in degrees; the gaze is at the centre.
 fn eccentricity(place: Vec2) -> f32 {
     let plane = (place - 0.5) * 2.0 * FRAC_PI_4.tan();
     plane.length().atan().to_degrees()

@@ -43,7 +43,7 @@ struct Options {
     /// Turn of the head upwards in degrees.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pitch: f32,
-    /// Move the head as the scene's script does, and say where in the picture the eyes look.
+    /// Move the head as in the scene's script, and print the position of the gaze in the image.
     #[arg(long, conflicts_with_all = ["yaw", "pitch"])]
     scripted: bool,
 }

@@ -1,6 +1,6 @@
 //! `parafovea-scene`: an OpenXR application as one would write it in Rust, with [`openxr`] and [`wgpu`].
-//! It knows nothing of Parafovea. Tests, benches and the demo run it as the application to be made cheaper,
-//! so what it draws is frozen; the crate's README says what that means and what a frame costs.
+//! It knows nothing of Parafovea. Tests, benches and the demo run it as the application to be made faster, so its
+//! images are frozen; the crate's README describes this, and the cost of a frame.
 
 pub mod camera;
 pub mod offscreen;

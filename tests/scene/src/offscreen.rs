@@ -71,7 +71,7 @@ impl Offscreen {
         });
     }
 
-    /// Draws a frame as [`Self::draw_gazing`] does, with the gaze straight ahead of the first camera.
+    /// Draws a frame as [`Self::draw_gazing`] does, with the gaze at the centre of the first camera's view.
     ///
     /// # Errors
     /// If the device is lost.

@@ -142,7 +142,7 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 /// Reads `--foveation`.
 ///
 /// # Errors
-/// A text that says what is expected.
+/// A text with the expected format.
 pub fn parse_foveation(text: &str) -> Result<Foveation, String> {
     let ellipses = match text {
         "toolkit-wide" => Some(ScreenEllipses::WIDE),

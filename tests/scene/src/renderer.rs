@@ -34,7 +34,7 @@ pub struct Rect {
     pub height: u32,
 }
 
-/// One render pass: an image and the cameras that are seen in it.
+/// One render pass: an image and its cameras.
 #[derive(Debug)]
 pub struct Pass<'a> {
     /// Colour attachment.

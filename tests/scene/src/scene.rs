@@ -61,7 +61,7 @@ pub enum SceneName {
     Street,
     /// A square full of people who walk.
     Crowd,
-    /// Made of a seed, for judging with a scene that nobody has seen before.
+    /// Generated from a seed, to judge with unknown scenes.
     #[value(skip)]
     Generated(Kind, u32),
 }
@@ -118,7 +118,7 @@ pub struct Definition {
     pub place: fn(first: usize, time: f64, lights: &[Light]) -> Vec<Placement>,
     /// The first `count` lights at a time; fewer are a prefix of more.
     pub lights: fn(time: f64, count: u32) -> Vec<Light>,
-    /// Lights when none are asked for. It sets what a frame costs.
+    /// Default number of lights. It sets the cost of a frame.
     pub default_lights: u32,
     /// Sun, sky and reflections; the courtyard's are constants of its shader.
     pub environment: Option<Environment>,
@@ -229,7 +229,7 @@ impl Scene {
         }
     }
 
-    /// Everything to draw at a time, in drawing order; `lights` are those of the same time.
+    /// Everything to draw at a time, in drawing order; `lights` are the lights at the same time.
     pub fn placements(&self, time: f64, lights: &[Light]) -> Vec<Placement> {
         let mut placed = match self.name {
             SceneName::Generated(kind, seed) => generated::place(kind, seed, self.fixed, time),

@@ -27,8 +27,8 @@ const EYE_HEIGHT: f32 = 1.6;
 /// Runs the application until its session has ended; gives the number of rendered frames.
 ///
 /// # Errors
-/// If there is no loader, runtime, headset or GPU, if the runtime lacks what the options ask for, or if a
-/// call fails; the text says which.
+/// If there is no loader, runtime, headset or GPU, if the runtime lacks a feature that the options require, or if a
+/// call fails; the text names the cause.
 pub fn run(options: &Options) -> Result<u64> {
     let instance = create_instance(options)?;
     let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).context("no headset")?;
@@ -77,8 +77,8 @@ fn create_instance(options: &Options) -> Result<xr::Instance> {
     entry.create_instance(&application, &enabled, &[], &()).context(NO_RUNTIME)
 }
 
-/// Everything that lives as long as the session. Fields are dropped from the top: what draws goes before
-/// the session, which keeps the device alive.
+/// Everything that lives as long as the session. Fields are dropped from the top: the drawing objects go before the
+/// session, which keeps the device alive.
 struct App {
     renderer: Renderer,
     projection: Projection,
@@ -242,7 +242,7 @@ impl App {
         Ok(())
     }
 
-    /// Makes the swapchains anew before the frame that is to begin with new ones.
+    /// Makes the swapchains again before the frame that is to begin with new ones.
     fn change_swapchains(&mut self) -> Result<()> {
         let Some((_, options, format)) = self.change.take_if(|(at, ..)| *at <= self.frame) else {
             return Ok(());

@@ -130,7 +130,7 @@ fn more_shading_is_nearer_to_the_truth() {
     assert!(finer < 0.8 * coarse, "mean squared error {finer} with 1/4, {coarse} with 1/16");
 }
 
-/// The template is drawn anew when the gaze has moved, and only copied when it has not.
+/// The template is drawn again when the gaze has moved, and only copied when it has not.
 #[test]
 fn the_fovea_follows_the_gaze() {
     let mut visitor = Visitor::new();

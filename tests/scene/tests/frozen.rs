@@ -1,5 +1,4 @@
-//! The scene's definition is frozen: measurements of one revision are compared with those of another, which
-//! only works if both drew the same.
+//! The scene's definition is frozen: measurements of two revisions are only comparable if both drew the same.
 
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 
@@ -11,7 +10,7 @@ use parafovea_scene::scene::texture::Texture;
 use parafovea_scene::scene::{Scene, SceneName, materials, time_of};
 use parafovea_scene::script::Script;
 
-/// Parts of a scene. If a test below fails and the change is wanted, it is a new scene: measure its cost as the README of this crate says,
+/// Parts of a scene. If a test below fails and the change is wanted, it is a new scene: measure its cost by the README of this crate,
 /// write it there, take new baselines for everything that was measured with the old one, and only then put the new values here.
 struct Frozen {
     scene: SceneName,

@@ -39,7 +39,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Mean of the absolute differences between neighbours in a row, over the mean: how much fine detail there is.
+/// Mean of the absolute differences between neighbours in a row, over the mean: the amount of fine detail.
 fn detail(luminances: &[f64], side: usize) -> f64 {
     let steps: f64 = luminances
         .chunks_exact(side)

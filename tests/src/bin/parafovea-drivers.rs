@@ -88,7 +88,7 @@ fn print_warmth(device: ShimDevice) {
     }
 }
 
-/// All devices whose drivers are there.
+/// All devices with unpacked drivers.
 fn targets() -> Vec<Target> {
     for folder in [Folder::Release, Folder::Sid] {
         if let Err(error) = folder.path() {

@@ -1,6 +1,6 @@
 //! `cargo dev soak [--minutes N]`: an application that starts and ends sessions over and over, of changing sizes, with a gaze that
-//! comes and goes, a runtime that fails the layer now and then, and a configuration that somebody edits; beside it the same without
-//! the layer. Fails where the layer's process takes more and more memory, threads or file descriptors.
+//! comes and goes, a runtime that fails the layer now and then, and a configuration that is edited; beside it the same without the
+//! layer. Fails if the layer's process takes more and more memory, threads or file descriptors.
 
 use parafovea_cases::life::Life;
 use parafovea_tests::HarnessError;

@@ -15,7 +15,7 @@ const JUDGED: u64 = 9;
 /// Frames until a pass is recognised and rates have become as coarse as they get.
 const SETTLING: u64 = LAYER_RUN_UP;
 
-/// An application with somebody in it, and the effort that is spent on it.
+/// An application with a user, and the effort that is spent on it.
 pub struct Exhibit {
     /// The application, and the script of head and eyes.
     pub subject: Subject,

@@ -13,7 +13,7 @@ pub struct Decision {
 }
 
 impl Decision {
-    /// Of the layer's status; none: the layer was not there.
+    /// Of the layer's status; None without the layer.
     pub fn of(status: Option<&Status>) -> Self {
         let Some(status) = status else { return Self::left_alone("the layer reported no status") };
         let gate = &status.rates_gate;

@@ -28,7 +28,7 @@ impl Observed {
     /// Runs an application with a technique; without the layer from shortly before the judged frames on, as nothing has to settle.
     ///
     /// # Errors
-    /// Those of the harness, and an application that does not come to its end.
+    /// Errors of the harness, and an application that does not finish.
     pub fn of(subject: &Subject, effort: Effort, technique: &Technique) -> Result<Self, HarnessError> {
         let run_up = effort.of(technique).run_up;
         let (subject, effort) = (&subject.later(effort.run_up - run_up), Effort { run_up, ..effort });
@@ -73,7 +73,7 @@ impl Observed {
     /// eyes.
     ///
     /// # Errors
-    /// [`HarnessError::File`] where a picture is not there.
+    /// [`HarnessError::File`] if an image is missing.
     pub fn fovea_max_error(&self, test: &Self, radius_deg: f32) -> Result<u8, HarnessError> {
         let mut largest = 0;
         for eye in 0..self.scenario.views.len() {

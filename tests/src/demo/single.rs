@@ -36,7 +36,7 @@ pub struct Saving {
 /// without the layer.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn savings(
     exhibit: &Exhibit,
     off: &Observed,

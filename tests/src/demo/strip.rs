@@ -8,7 +8,7 @@ use std::path::Path;
 /// Saves off | on | difference x 8 | drawn over as one picture, and half as large with `_small` behind its name.
 ///
 /// # Errors
-/// Those of [`Picture::save`].
+/// Errors of [`Picture::save`].
 pub fn save(path: &Path, pictures: [&Picture; 3]) -> Result<(), HarnessError> {
     let strip = strip(pictures);
     strip.save(path)?;

@@ -40,7 +40,7 @@ pub struct Timed {
 /// Times `techniques`, the first of which is the baseline, side by side.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn time(
     exhibit: &Exhibit,
     techniques: &[Technique],
@@ -93,7 +93,7 @@ fn decide(players: &mut [Player], run_up: u64) -> u64 {
     frames
 }
 
-/// Whether a layer with that status has a decision to make: its first trial may be yet to come, or one is under way.
+/// Whether a layer with that status has a decision to make: its first trial may be yet to come, or one is in progress.
 fn is_undecided(status: Option<Status>, run_up: u64) -> bool {
     status.is_none_or(|status| {
         let gate = &status.rates_gate;

@@ -35,7 +35,7 @@ impl Stack {
 /// The layer's configuration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mode {
-    /// The layer is not there.
+    /// Without the layer.
     Off,
     /// Enabled by the environment, disabled by the configuration.
     Inert,
@@ -135,7 +135,7 @@ impl std::fmt::Display for End {
     }
 }
 
-/// Passes of an eye buffer that the layer made coarser, or would, of those of all frames.
+/// Passes of an eye buffer in all frames, and the ones among them that the layer made coarser, or would have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Engaged {
     /// Passes with a map of rates coarser than 1x1.

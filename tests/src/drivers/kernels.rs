@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// The devices whose compilers are asked: those of the [`GPUS`], and the next older NVIDIA.
+/// The devices whose compilers are queried: the devices of the [`GPUS`], and the next older NVIDIA.
 pub const QUERIED: [ShimDevice; 4] =
     [ShimDevice::Navi21, ShimDevice::Navi31, ShimDevice::NvkTuring, ShimDevice::NvkAmpere];
 

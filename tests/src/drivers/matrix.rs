@@ -12,8 +12,8 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Judges every program on every target whose names, `DEVICE PROGRAM`, have `part` in them, and hands each row to `done`
-    /// when it is there.
+    /// Judges every program on every target whose names, `DEVICE PROGRAM`, have `part` in them, and hands each finished row
+    /// to `done`.
     ///
     /// # Errors
     /// Errors of the harness only.

@@ -54,7 +54,7 @@ impl Program {
         !matches!(self, Self::VulkanInfo | Self::Doctor)
     }
 
-    /// Whether it sets shading rates itself: the layer leaves its passes alone, which the record of passes does not tell.
+    /// Whether it sets shading rates itself: the layer leaves its passes alone, which the record of passes does not show.
     pub fn sets_rates(self) -> bool {
         let rates = c"VK_KHR_fragment_shading_rate";
         matches!(self, Self::Style(style) if style.needs.extensions.contains(&rates))

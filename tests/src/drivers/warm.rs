@@ -60,7 +60,7 @@ pub fn warmth(program: Program, device: ShimDevice) -> Result<Warmth, HarnessErr
     })
 }
 
-/// The files below a folder, but those that describe the cache.
+/// Number of files below a folder, except the files that describe the cache.
 fn files(folder: &Path) -> Result<usize, HarnessError> {
     let mut count = 0;
     for entry in std::fs::read_dir(folder).map_err(HarnessError::file(folder))?.flatten() {

@@ -13,7 +13,7 @@ pub struct Engine {
     pub moves: bool,
     /// The rendered scene.
     pub scene: Scene,
-    /// Whether an eye tracker is there: the gaze of a file ([`Engine::gaze`]). Otherwise the layer takes it to be straight ahead.
+    /// Whether there is an eye tracker: the gaze of a file ([`Engine::gaze`]). Otherwise the layer uses the centre of the view.
     pub is_tracked: bool,
     /// The layer's preset.
     pub preset: Preset,
@@ -88,8 +88,8 @@ impl Engine {
         name
     }
 
-    /// The gaze of its tracker, as `gaze.file` has it: a second at each of five points up to six degrees from straight ahead, over and over,
-    /// for ten minutes; None without a tracker.
+    /// The gaze of its tracker, as `gaze.file` has it: a second at each of five points up to six degrees from the centre of the view, over
+    /// and over, for ten minutes; None without a tracker.
     pub fn gaze(self) -> Option<String> {
         const POINTS: [[i32; 2]; 5] = [[0, 0], [6, 0], [0, 4], [-6, 0], [0, -4]];
         const SACCADE_S: f32 = 0.04;
@@ -139,7 +139,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Its configuration with a preset, and with the gaze of a file, if one is named, or else straight ahead; None without the layer.
+    /// Its configuration with a preset, and with the gaze of a file, or at the centre of the view without one; None without the layer.
     pub fn config(self, preset: Preset, gaze: Option<&str>) -> Option<String> {
         let techniques = match self {
             Self::Off => return None,

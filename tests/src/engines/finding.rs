@@ -72,7 +72,7 @@ impl Checks {
     /// All of it.
     pub const ALL: Self = Self { samples: true, pictures: true, messages: true };
 
-    /// All but those that are named, with commas in between.
+    /// All checks except the named ones, separated by commas.
     ///
     /// # Errors
     /// A name that is unknown.
@@ -94,7 +94,7 @@ impl Checks {
 /// open gate.
 ///
 /// # Errors
-/// An engine that does not come to its end.
+/// An engine that does not finish.
 pub fn judge(
     system: &System,
     engine: Engine,
@@ -252,7 +252,7 @@ pub fn print_table(findings: &[Finding]) {
     }
 }
 
-/// Prints how far pictures are from those without the layer, if any were compared.
+/// Prints the differences of images with and without the layer, if any were compared.
 fn print_pictures(findings: &[Finding]) {
     if findings.iter().all(|finding| finding.pictures.is_empty()) {
         return;

@@ -1,4 +1,4 @@
-//! Pictures that an engine submits, and how far they are from those without the layer.
+//! Images that an engine submits, and their differences from images without the layer.
 
 use crate::HarnessError;
 use crate::picture::Picture;
@@ -10,13 +10,13 @@ use serde::Serialize;
 use std::fs;
 use std::path::Path;
 
-/// Frames a second of engines' scenes, whatever they take: `--fixed-fps` of their command line.
+/// Frames a second of engines' scenes, regardless of their real time: `--fixed-fps` of their command line.
 const FRAMES_PER_SECOND: f64 = 60.0;
 
-/// Straight ahead, where engines' users look.
+/// Gaze of engines' users: the centre of the view.
 const AHEAD: Vec3 = Vec3::NEG_Z;
 
-/// Differences of images from those without the layer.
+/// Differences between images with and without the layer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Errors {
     /// Their subject.
@@ -62,7 +62,7 @@ fn mean(report: &Report, values: fn(&Report) -> Vec<f64>) -> f64 {
 /// The frames that were saved to a folder, by their numbers from 0 on.
 ///
 /// # Errors
-/// A frame that is not there, or is no picture.
+/// A frame that is missing, or is no image.
 pub fn clip(folder: &Path, frames: u32) -> Result<Clip, HarnessError> {
     let frames = (0..frames).map(|number| frame(folder, number)).collect::<Result<_, _>>()?;
     Ok(Clip { frames })

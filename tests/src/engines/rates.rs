@@ -13,8 +13,8 @@ use parafovea_errors::{Clip, Eye};
 /// Size of a tile, pixels: that of most devices.
 const TEXEL: u32 = 16;
 
-/// The same clip as such a device would show it with a preset: gaze straight ahead, every frame with the map of the first one. None
-/// where that has not both eyes, or nothing is planned for them.
+/// The same clip as such a device would show it with a preset: gaze at the centre of the view, every frame with the map of the
+/// first one. None if that frame lacks an eye, or nothing is planned for its eyes.
 pub fn shown_at_rates(reference: &Clip, preset: Preset) -> Option<Clip> {
     let [left, right] = &reference.frames.first()?.eyes;
     let maps = maps([left.as_ref()?, right.as_ref()?], preset)?;

@@ -13,7 +13,7 @@ pub struct Seen {
     pub cpu_ms: Vec<f64>,
     /// Samples of a frame that passed the depth test in the application's render passes; None if not counted.
     pub samples: Option<u64>,
-    /// Rules that validation found broken, with the ways in which they were, and how often.
+    /// Rules that validation found broken, each with its violation, and their counts.
     pub broken: BTreeMap<String, usize>,
     /// The layer's log.
     pub log: String,
@@ -27,7 +27,7 @@ impl Seen {
     /// From the engine's output, the layer's log, and the lines of the layer that counts samples.
     ///
     /// # Errors
-    /// The engine did not say what its frames cost.
+    /// The engine did not print the cost of its frames.
     pub fn of(output: &str, log: &str, samples: &str, status: Option<Status>) -> Result<Self, String> {
         let numbers = |name: &'static str| {
             let lines =
@@ -55,7 +55,7 @@ impl Seen {
         })
     }
 
-    /// Ways to break rules that were not seen in `without`. How often an engine breaks one itself differs from run to run.
+    /// Violations that are not in `without`. The counts of an engine's own violations differ from run to run.
     pub fn broken_beyond(&self, without: &Self) -> Vec<String> {
         let new = self.broken.iter().filter(|(rule, _)| !without.broken.contains_key(*rule));
         new.map(|(rule, count)| format!("{rule} ({count})")).collect()

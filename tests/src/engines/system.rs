@@ -58,7 +58,7 @@ impl System {
     /// Puts the layer, the layers of tests and the engines' scenes into the system at `root`.
     ///
     /// # Errors
-    /// [`HarnessError::NotBuilt`], and those of files and of `parafovea install`.
+    /// [`HarnessError::NotBuilt`], and errors of files and of `parafovea install`.
     pub fn filled(root: &Path) -> Result<Self, HarnessError> {
         let root = &fs::canonicalize(root).map_err(HarnessError::file(root))?;
         let system = Self { root: root.clone() };
@@ -96,7 +96,7 @@ impl System {
     /// Runs an engine to its end.
     ///
     /// # Errors
-    /// The engine does not come to its end, or does not say what its frames cost.
+    /// The engine does not finish, or does not print the cost of its frames.
     pub fn run(
         &self,
         engine: Engine,
@@ -172,7 +172,7 @@ impl System {
     /// Pictures of the last run that saved any, of so many frames.
     ///
     /// # Errors
-    /// One is not there.
+    /// An image is missing.
     pub fn pictures(&self, frames: u32) -> Result<Clip, HarnessError> {
         pictures::clip(&self.root.join(PICTURES), frames)
     }
@@ -188,7 +188,7 @@ impl System {
         command
     }
 
-    /// The layer's status; None where it tells none.
+    /// The layer's status; None if it writes none.
     fn status(&self) -> Option<Status> {
         let folder = self.root.join("run/monado");
         let environment =

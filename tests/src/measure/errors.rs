@@ -15,10 +15,10 @@ pub const RUN_UP: u64 = 10;
 /// Shows `subject` with each of `techniques`, the first of which is the reference, and judges the eyes' images, after the runtime's
 /// compositor, around the true gaze. The results are in the order of the techniques behind the first.
 ///
-/// `progress` is told of every run before it is started.
+/// `progress` is called before every run.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn errors(
     subject: &Subject,
     techniques: &[Technique],
@@ -47,11 +47,11 @@ pub fn with_pictures(mut scenario: Scenario, effort: Effort) -> Scenario {
     scenario
 }
 
-/// Computes the errors of the images of `test` against those of `reference`, both runs of `subject` in one scenario
+/// Computes the errors of the images of `test` against `reference`, both runs of `subject` in one scenario
 /// [`with_pictures`].
 ///
 /// # Errors
-/// [`HarnessError::File`] where a picture is not there, [`HarnessError::Application`] where they do not belong together.
+/// [`HarnessError::File`] if an image is missing, [`HarnessError::Application`] if they do not belong together.
 pub fn judge(
     subject: &Subject,
     scenario: &Scenario,

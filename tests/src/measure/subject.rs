@@ -14,7 +14,7 @@ use parafovea_zoo::{SKIPPED, Style};
 use std::sync::{Arc, OnceLock};
 use tempfile::NamedTempFile;
 
-/// One scene with somebody in it: the head moves, the eyes wander, and a tracker reports where they look.
+/// One scene with a user: the head moves, the eyes wander, and a tracker reports the gaze.
 #[derive(Clone, Debug)]
 pub struct Subject {
     program: Program,
@@ -84,7 +84,7 @@ impl Subject {
     /// Features that the device lacks for a style, which then shows nothing.
     ///
     /// # Errors
-    /// Those of the harness.
+    /// Errors of the harness.
     pub fn lacks(&self) -> Result<Option<String>, HarnessError> {
         if !self.is_style() {
             return Ok(None);
@@ -124,8 +124,7 @@ impl Subject {
         Self { first_frame: self.first_frame + frames, ..self.clone() }
     }
 
-    /// The same with a head that does nothing but turn to the left, so many degrees a second, from where it is at first, and eyes that
-    /// look straight ahead.
+    /// The same with a head that only turns to the left from its first pose, at `deg_per_s`, and the gaze at the centre of the view.
     pub fn turning(self, deg_per_s: f32) -> Self {
         Self { turning_deg_per_s: Some(deg_per_s), ..self }
     }

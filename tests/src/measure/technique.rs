@@ -17,7 +17,7 @@ pub struct Technique {
     pub render_scale: f32,
     /// Further arguments of the application.
     pub arguments: Vec<String>,
-    /// Whether the layer hears the sound of the scene. It is played in real time, whatever the runtime's clock says.
+    /// Whether the layer captures the sound of the scene. It is played in real time, regardless of the runtime's clock.
     pub hears: bool,
 }
 

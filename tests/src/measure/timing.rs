@@ -97,10 +97,10 @@ impl Counts {
 /// ([`side_by_side`]), so that other work of the machine affects all alike. The runtime composites nothing. With `with_gpu` the GPU's
 /// timestamps are taken too.
 ///
-/// `progress` is told of every run before it is started.
+/// `progress` is called before every run.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn time(
     subject: &Subject,
     techniques: &[Technique],

@@ -1,7 +1,7 @@
 //! Applications that run beside each other, of which one at a time has its frame.
 //!
-//! What else a machine does slows a run down for seconds at a time. Runs one after the other differ by that; frames one after
-//! the other, a fraction of a second apart, hardly do.
+//! Other work of a machine slows a run down for seconds at a time. Consecutive runs differ by that; consecutive frames, a
+//! fraction of a second apart, hardly do.
 
 use super::{Effort, Subject, Technique};
 use crate::HarnessError;
@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(240);
 /// Interval between checks for the connection of an application.
 const POLL: Duration = Duration::from_millis(2);
 
-/// An application under way, each of whose frames comes when it is let.
+/// A running application, whose frames wait for their turns.
 pub struct Player {
     running: Running,
     /// Socket on which it asks for its frames.
@@ -34,7 +34,7 @@ pub struct Player {
 /// an order that is reversed from frame to frame. The outcomes are in the order of `techniques`.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn side_by_side(
     subject: &Subject,
     techniques: &[Technique],
@@ -51,11 +51,11 @@ pub fn side_by_side(
     finished.collect()
 }
 
-/// Starts `subject` with each technique, one after the other, and lets each have its run-up. `progress` is told of each technique before it
-/// is started, with the frames of its run-up.
+/// Starts `subject` with each technique, one after the other, and lets each have its run-up. `progress` is called before each technique is
+/// started, with the frames of its run-up.
 ///
 /// # Errors
-/// Those of the harness, and an application that asks for no frame.
+/// Errors of the harness, and an application that asks for no frame.
 pub fn start_all(
     subject: &Subject,
     techniques: &[Technique],
@@ -97,10 +97,10 @@ pub fn play_in_turn(players: &mut [Player], frames: u64) {
 }
 
 impl Player {
-    /// Starts an application by itself, and waits for it to ask for its first frame. `configured` says the rest of the run.
+    /// Starts an application by itself, and waits for it to ask for its first frame. `configured` completes the run.
     ///
     /// # Errors
-    /// Those of the harness, and an application that asks for no frame.
+    /// Errors of the harness, and an application that asks for no frame.
     pub fn alone(
         application: &Application,
         mut scenario: Scenario,
@@ -163,7 +163,7 @@ impl Player {
         found.into_iter().next().map(|found| found.status)
     }
 
-    /// Ends it where it is, and returns the record of its frames so far.
+    /// Ends it at its current frame, and returns the record of its frames so far.
     ///
     /// # Errors
     /// As for [`Running::stop`].
@@ -171,7 +171,7 @@ impl Player {
         self.running.stop(frames)
     }
 
-    /// Lets it come to its end.
+    /// Lets it finish.
     ///
     /// # Errors
     /// As for [`Running::finish`].

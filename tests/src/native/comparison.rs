@@ -54,10 +54,10 @@ struct NotedMap {
     rates: String,
 }
 
-/// Compares a style; none with the reason where the device cannot show it.
+/// Compares a style; returns the reason if the device cannot show it.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn compare(
     machine: &Machine,
     style: &Style,

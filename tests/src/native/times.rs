@@ -29,7 +29,7 @@ pub struct Times {
 /// Times a style, turn by turn, in an order that is reversed from turn to turn.
 ///
 /// # Errors
-/// Those of the harness, an application that does not come to its end, and a device without timestamps.
+/// Errors of the harness, an application that does not finish, and a device without timestamps.
 pub fn time(machine: &Machine, style: &Style, length: Length, turns: usize) -> Result<Times, HarnessError> {
     let folder = tempfile::tempdir().map_err(HarnessError::file(&std::env::temp_dir()))?;
     let maps = folder.path().join("maps.jsonl");

@@ -75,7 +75,7 @@ pub struct Added {
 /// The layer's added time of a frame, case by case, by turns; `prepare` chooses driver and library.
 ///
 /// # Errors
-/// Errors of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not finish.
 pub fn planning(
     device: &str,
     wanted: &[String],

@@ -51,7 +51,7 @@ impl Child {
         self.process.id()
     }
 
-    /// Whether the process has ended; so says one that cannot be asked.
+    /// Whether the process has ended, or its state is unknown.
     pub(super) fn has_ended(&mut self) -> bool {
         !matches!(self.process.try_wait(), Ok(None))
     }

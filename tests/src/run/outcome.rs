@@ -79,7 +79,7 @@ impl Outcome {
     /// Fragment shader invocations that the counting layer saw, on all devices.
     ///
     /// # Errors
-    /// [`HarnessError::File`] where it was not there, [`HarnessError::Application`] where it could not count.
+    /// [`HarnessError::File`] if it is missing, [`HarnessError::Application`] if it could not count.
     pub fn fragments(&self) -> Result<u64, HarnessError> {
         self.fragments_after(0)
     }
@@ -148,7 +148,7 @@ impl Outcome {
     /// Calls of each device that [`Run::faulted`](super::Run::faulted) counted.
     ///
     /// # Errors
-    /// [`HarnessError::File`] where it was not there.
+    /// [`HarnessError::File`] if it is missing.
     pub fn faults(&self) -> Result<Vec<FaultReport>, HarnessError> {
         self.reports(FAULT_FILE)
     }
@@ -156,7 +156,7 @@ impl Outcome {
     /// The frames of [`Run::planted`](super::Run::planted).
     ///
     /// # Errors
-    /// [`HarnessError::File`] where it was not there, [`HarnessError::Application`] where other than one device drew a frame.
+    /// [`HarnessError::File`] if it is missing, [`HarnessError::Application`] if not exactly one device drew a frame.
     pub fn costs(&self) -> Result<CostsReport, HarnessError> {
         let mut drawing = self.reports::<CostsReport>(COSTS_FILE)?;
         drawing.retain(|device| device.frames > 0);
@@ -169,7 +169,7 @@ impl Outcome {
     /// Counts of [`Run::live_counted`](super::Run::live_counted), one for each vkDeviceWaitIdle of the application, on all devices.
     ///
     /// # Errors
-    /// [`HarnessError::File`] where it was not there.
+    /// [`HarnessError::File`] if it is missing.
     pub fn live_objects(&self) -> Result<Vec<LiveObjects>, HarnessError> {
         self.reports(LIVE_FILE)
     }

@@ -28,7 +28,7 @@ impl Running {
         outcome::submitted_path(&pictures, view, frame).exists()
     }
 
-    /// Its `$XDG_RUNTIME_DIR`, where the layer tells of it.
+    /// Its `$XDG_RUNTIME_DIR`, with the layer's status of it.
     pub fn runtime_folder(&self) -> PathBuf {
         self.installation.runtime_folder()
     }

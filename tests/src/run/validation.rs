@@ -35,7 +35,7 @@ impl Message {
         self.text.contains("vkCmdCopyImageToBuffer: For optimal performance")
     }
 
-    /// Whether it says that two submits to one queue race. Up to 1.3.239 at least, validation takes the accesses of a submit that another
+    /// Whether it reports a race of two submits to one queue. Up to 1.3.239 at least, validation takes the accesses of a submit that another
     /// queue waited for as that queue's, and compares the first queue's next submit with them. Missing barriers within a queue have other rules.
     fn is_race_with_itself(&self) -> bool {
         let handle = |before: &str| {
@@ -66,9 +66,9 @@ pub struct Findings {
     pub vulkan: Vec<Message>,
     /// Of the OpenXR layer.
     pub openxr: Vec<Message>,
-    /// Whether the Vulkan layer was there at all: then it says so itself.
+    /// Whether the Vulkan layer was active: it then reports this itself.
     pub vulkan_was_active: bool,
-    /// Whether the OpenXR layer was there at all: it says so on the standard error output.
+    /// Whether the OpenXR layer was active: it prints this to standard error.
     pub openxr_was_active: bool,
 }
 

@@ -52,7 +52,7 @@ const ANSWERS: [(&str, Answer); 8] = [
     ("xrEnumerateSwapchainImages", Answer::NoImages),
 ];
 
-/// The layer's own calls in an application with actions: the function that fails, and after how many calls of the application.
+/// The layer's own calls in an application with actions: the failing function, its result, and the number of the application's calls before it.
 const FOR_GAZE: [(&str, &str, u64); 7] = [
     ("xrCreateActionSet", "XR_ERROR_OUT_OF_MEMORY", 1),
     ("xrCreateAction", "XR_ERROR_OUT_OF_MEMORY", 4),

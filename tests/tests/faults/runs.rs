@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 pub enum Below {
     Vulkan(VulkanFault),
     OpenXr(Vec<Fault>),
-    /// Extensions of the runtime that are not there.
+    /// Extensions that the runtime lacks.
     ExtensionsOff(Vec<String>),
 }
 
@@ -217,7 +217,7 @@ impl Cell {
     }
 }
 
-/// A cause is told once, whatever follows from it.
+/// A cause is logged once, with any consequences.
 fn told_once(log: &str) -> Result<(), String> {
     let told = log.lines().filter(|line| line.contains(" WARN ") || line.contains(" ERROR ")).count();
     if told > 1 {
@@ -226,7 +226,7 @@ fn told_once(log: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// A picture is right that is as without the layer, or no farther from that than the technique takes it by itself.
+/// An image is right if it equals the one without the layer, or its error is no larger than the technique's own.
 fn is_right(picture: &Picture, off: &Picture, on: &Picture) -> Result<(), String> {
     let error = |picture: &Picture| {
         let squares = picture.pixels.iter().zip(&off.pixels).flat_map(|(one, other)| {

@@ -18,7 +18,7 @@ struct Case {
     errors: &'static [&'static str],
     /// Lines of the log.
     log: &'static str,
-    /// Whether how often the application asks is chance.
+    /// Whether the number of the application's calls is random.
     has_own_pace: bool,
     scenario: fn(&mut Scenario),
 }

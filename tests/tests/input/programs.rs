@@ -1,4 +1,4 @@
-//! Whole applications that nobody wrote for this: hello_xr, our scene, and the zoo.
+//! Whole applications that were not written for this test: hello_xr, our scene, and the zoo.
 
 use super::{assert_ours_is_first, following, gaze_reads, input_at_the_runtime, new_errors, run, scenario};
 use parafovea_tests::run::{Application, Outcome};

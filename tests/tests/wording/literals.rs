@@ -1,7 +1,6 @@
 //! The string literals of a Rust source, read by a small scanner.
 
-/// Texts of a source's string literals, up to its tests, without those that give a lint's reason; with doc comments where these are help
-/// texts.
+/// Texts of a source's string literals, up to its tests, without reasons of lints; with doc comments where these are help texts.
 pub fn literals(source: &str, with_doc_comments: bool) -> Vec<String> {
     let source = source.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
     let mut found = Vec::new();

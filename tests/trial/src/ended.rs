@@ -15,7 +15,7 @@ pub enum Ending {
     OverLimit,
     /// It needs something that is not here.
     Skipped(Lack),
-    /// Its `#[ignore]` says when it is run, or nothing.
+    /// Text of its `#[ignore]`, the condition under which it runs; may be empty.
     Ignored(String),
 }
 

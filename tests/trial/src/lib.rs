@@ -36,7 +36,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Runs the test, for so long at most; returns how it ended, its time and its output.
+    /// Runs the test within the time limit; returns its outcome, its time and its output.
     ///
     /// # Errors
     /// The binary cannot be started, or its output cannot be kept.

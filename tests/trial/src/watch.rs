@@ -30,7 +30,7 @@ pub struct Watched {
     pub left_behind: Vec<String>,
 }
 
-/// Runs a command without standard input, for so long at most. No process that it started is left.
+/// Runs a command without standard input, within the time limit. No process that it started is left.
 ///
 /// # Errors
 /// It cannot be started, or its output cannot be kept.

@@ -11,7 +11,7 @@ const FRAMES: usize = 30;
 const READS: usize = 12;
 
 /// Median time of recognition at the end of a frame of `passes` passes before the scene's: cameras, and every third a full-screen pass. Each
-/// reads the images of the twelve before it, or nobody knows what.
+/// reads the images of the twelve before it, or unknown images if `is_bindless`.
 pub fn per_frame(passes: usize, is_bindless: bool) -> Duration {
     let mut world = World::default();
     for _ in 0..FRAMES {

@@ -102,7 +102,7 @@ impl World {
         self.log.clear();
     }
 
-    /// Whether the picture is made of those of earlier frames, as recognition finds.
+    /// Whether the image is made from images of earlier frames, by recognition.
     pub fn feedback(&self) -> Feedback {
         self.recognition.feedback()
     }

@@ -1,5 +1,5 @@
-//! Random frame graphs with their truth: cameras of any size whose pictures the scene samples, a scene that is forward or deferred, any
-//! post-processing, any way to the swapchain. Whatever descriptors tell, no texture may ever become coarser.
+//! Random frame graphs with their truth: cameras of any size whose images the scene samples, a forward or deferred scene, any
+//! post-processing, any way to the swapchain. No texture may ever become coarser, with any descriptors.
 
 use crate::frame::{
     Arrangement, BYTES, DEPTH, Frame, HDR, Image, LDR, NORMALS, PACKED, World, eye_of, scaled,

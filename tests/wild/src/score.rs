@@ -128,7 +128,7 @@ fn drawn(graph: &Graph) -> World {
     world
 }
 
-/// Whether the picture of a graph is made of those of earlier frames, as recognition finds by its end.
+/// Whether the image of a graph is made from images of earlier frames, by recognition at its end.
 pub fn feedback(graph: &Graph) -> Feedback {
     drawn(graph).feedback()
 }

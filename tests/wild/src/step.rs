@@ -15,7 +15,7 @@ pub enum Truth {
     FullScreen,
     /// A texture of the scene, or a picture outside of the eyes: a mirror, a shadow map, a scope, a user interface, a spectator's window.
     Texture,
-    /// Nothing that can be observed tells whose it is: it must stay at 1x1.
+    /// Its eye cannot be determined by observation: it must stay at 1x1.
     Ambiguous,
 }
 

@@ -7,7 +7,7 @@ use parafovea::pass_detection::ImageDescription;
 /// A texture that is drawn in each frame, before the scene samples it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Texture {
-    /// A mirror of the eye's aspect, with sides in those of the scene's targets.
+    /// A mirror of the eye's aspect, scaled by this factor from the scene's targets.
     Mirror(f32),
     /// A mirror in high dynamic range with tone mapping of its own, drawn for each eye.
     ToneMappedMirror(f32),

@@ -24,7 +24,7 @@ fn eyes_of_the_wild_zoo_are_found_and_nothing_else() {
 /// Graphs with a temporal filter in passes whose reads are known.
 const FILTERED: [&str; 2] = ["unreal-deferred", "unreal-deferred-dynamic"];
 
-/// Graphs of which nobody knows what reads the scene: compute, or descriptors that are not followed.
+/// Graphs with an unknown reader of the scene: compute, or descriptors that are not followed.
 const UNKNOWN: [&str; 9] = [
     "hdrp",
     "hdrp-square-dynamic",

@@ -65,7 +65,7 @@ impl App<'_> {
     /// For each eye a pass for each of its swapchain's images, or of the one swapchain's.
     ///
     /// # Errors
-    /// Those of [`Gpu::pass`].
+    /// Errors of [`Gpu::pass`].
     pub fn eye_passes(&self, kind: Kind, spec: impl Fn(Image) -> PassSpec) -> Result<Vec<Vec<Pass>>> {
         self.color.iter().map(|images| passes(self.gpu, kind, images, &spec)).collect()
     }

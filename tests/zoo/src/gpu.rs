@@ -104,7 +104,7 @@ impl Gpu {
     /// shaders know them.
     ///
     /// # Errors
-    /// Those of the calls, and maps that no device could have.
+    /// Errors of the calls, and maps that no device could have.
     pub fn open(
         xr_instance: &xr::Instance,
         system: xr::SystemId,
@@ -194,7 +194,7 @@ impl Gpu {
     /// Another device from the same instance, with one queue and nothing enabled.
     ///
     /// # Errors
-    /// Those of vkCreateDevice.
+    /// Errors of vkCreateDevice.
     pub fn another(&self) -> Result<Self> {
         let queue_info = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(self.families[0])

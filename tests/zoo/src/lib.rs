@@ -1,8 +1,8 @@
 //! Applications as there are many: each *style* renders the same small scene in another way, with OpenXR and plain
 //! Vulkan. They know nothing of any layer.
 //!
-//! A style also says what is known about it: which render passes it runs in a frame, and which of them make the
-//! picture of an eye ([`Style::passes`]).
+//! A style also lists its ground truth: the render passes of a frame, and the eyes that they draw
+//! ([`Style::passes`]).
 
 mod app;
 mod gpu;

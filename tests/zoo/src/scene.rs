@@ -93,7 +93,7 @@ impl Scene {
     /// Makes layouts, uniforms and the set for them.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let set_layout = set_layout(gpu)?;
         let layout = pipeline_layout(gpu, set_layout)?;
@@ -118,7 +118,7 @@ impl Scene {
     /// A set with the uniforms and these textures, in SHADER_READ_ONLY_OPTIMAL, from binding 1 on.
     ///
     /// # Errors
-    /// Those of vkAllocateDescriptorSets.
+    /// Errors of vkAllocateDescriptorSets.
     pub fn textured(&self, gpu: &Gpu, textures: &[Image]) -> Result<vk::DescriptorSet> {
         let layouts = [self.set_layout];
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
@@ -184,7 +184,7 @@ impl Scene {
     /// The pipelines for passes of `target`, with depth LESS and the sky LESS_OR_EQUAL.
     ///
     /// # Errors
-    /// Those of [`Gpu::pipeline`].
+    /// Errors of [`Gpu::pipeline`].
     pub fn pipelines(&self, gpu: &Gpu, target: &Target, shaders: &Shaders) -> Result<Pipelines> {
         self.pipelines_with(gpu, target, shaders, |_| {})
     }
@@ -192,7 +192,7 @@ impl Scene {
     /// As [`Self::pipelines`], where `change` alters both.
     ///
     /// # Errors
-    /// Those of [`Gpu::pipeline`].
+    /// Errors of [`Gpu::pipeline`].
     pub fn pipelines_with(
         &self,
         gpu: &Gpu,
@@ -285,7 +285,7 @@ impl Scene {
 }
 
 /// One layout for the sets of all shaders: the uniforms, four textures, a sampler, a storage buffer and an input
-/// attachment. What a shader does not use is not written.
+/// attachment. Bindings that a shader does not use are not written.
 fn set_layout(gpu: &Gpu) -> Result<vk::DescriptorSetLayout> {
     let binding = |number, ty, stages| {
         vk::DescriptorSetLayoutBinding::default()
@@ -317,7 +317,7 @@ fn set_layout(gpu: &Gpu) -> Result<vk::DescriptorSetLayout> {
 /// The layout with one set, and room for [`Draw`].
 ///
 /// # Errors
-/// Those of vkCreatePipelineLayout.
+/// Errors of vkCreatePipelineLayout.
 pub fn pipeline_layout(gpu: &Gpu, set_layout: vk::DescriptorSetLayout) -> Result<vk::PipelineLayout> {
     let sets = [set_layout];
     let ranges = [vk::PushConstantRange { stage_flags: STAGES, offset: 0, size: size_of::<Draw>() as u32 }];

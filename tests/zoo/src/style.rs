@@ -48,10 +48,10 @@ pub struct Style {
     pub can_show_look: bool,
     /// Reason for which a pixel of the image depends on pixels far from it, such as auto-exposure.
     pub global: Option<&'static str>,
-    /// Whether its pictures are blended with those of earlier frames.
+    /// Whether its images are blended with images of earlier frames.
     pub keeps_history: bool,
-    /// Allowed difference of its images from those of `render-pass`: the mean over all pixels and colour channels, in
-    /// code values (0 to 255). None: it shows the scene in another way.
+    /// Allowed difference of its images from `render-pass`'s: the mean over all pixels and colour channels, in code
+    /// values (0 to 255). None: it shows the scene in another way.
     pub likeness: Option<f64>,
     /// Every render pass of a frame in the order of submission, for eyes of this size (width, height) and the frame
     /// of this number, from 0.

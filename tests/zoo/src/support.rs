@@ -126,7 +126,7 @@ impl Demands {
     /// Missing requirements of the device; empty if it meets all.
     ///
     /// # Errors
-    /// Those of Vulkan's queries.
+    /// Errors of Vulkan's queries.
     pub(crate) fn lacking(
         &self,
         instance: &ash::Instance,
@@ -168,7 +168,7 @@ impl Demands {
     }
 }
 
-/// Vulkan's feature structures, of which a chain holds those that are needed.
+/// Vulkan's feature structures; a chain contains the needed ones.
 #[derive(Default)]
 pub(crate) struct Features {
     core: vk::PhysicalDeviceFeatures,

@@ -17,7 +17,7 @@ impl Swapchain {
     /// Makes a swapchain, and views of its images, which the device keeps.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn new(
         session: &xr::Session<xr::Vulkan>,
         gpu: &Gpu,
@@ -66,7 +66,7 @@ impl Swapchain {
     /// Takes the next image and waits for it: its number.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn acquire(&mut self) -> Result<usize> {
         let index = self.handle.acquire_image()?;
         self.handle.wait_image(xr::Duration::INFINITE)?;

@@ -85,7 +85,7 @@ impl PassTruth {
 const PASSED_ON: [&str; 4] =
     ["tone mapping", "scaling", "temporal anti-aliasing", "exposure and tone mapping"];
 
-/// One render pass that a run began (`--passes`), as Vulkan was told.
+/// One render pass that a run began (`--passes`), with its parameters in Vulkan.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct PassSeen {
     /// Number of the frame, from 0.

@@ -23,7 +23,7 @@ const SHARE: Effort = Effort { frames: 54, size: 96 };
 /// Duration of the first fixation, seconds: decisions by contrast take a quarter of a second for an octave, once the gaze is trusted.
 const REST_S: f64 = 0.5;
 
-/// Styles of every test: those that differ most in the order of the layer's work among theirs.
+/// Styles of every test: the most different ones in the order of the layer's work among their own.
 const FEW: [&str; 8] = [
     "subpasses",
     "multiview",
@@ -39,7 +39,7 @@ const FEW: [&str; 8] = [
 const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n[debug]\nview = \"eccentricity\"\n";
 
-/// A software device that compiles on a busy machine is behind for seconds, which is told, and no error.
+/// A software device that compiles on a busy machine is behind for seconds, which is logged, and no error.
 const LATE: &str = "earlier images are shown until the device catches up";
 
 /// Stand-in for a device with shading rates; None: the device unchanged, for masks.

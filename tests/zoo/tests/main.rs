@@ -1,5 +1,5 @@
-//! Every style on the mock runtime, under validation: nothing to complain about, the passes that it says it has, the
-//! same pictures in every run, and those of `render-pass` where it says so.
+//! Every style on the mock runtime, under validation: no messages, the passes of its ground truth, the same images
+//! in every run, and images like `render-pass`'s if it has a `likeness`.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

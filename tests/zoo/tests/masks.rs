@@ -1,5 +1,5 @@
 //! Every style on a device without shading rates, with fixed rings: the passes with and without masks, with reasons, as in the table of
-//! backends; shaded pixels are the same as without the layer, bit for bit, and skipped ones are those of the CPU's prediction.
+//! backends; shaded pixels are the same as without the layer, bit for bit, and skipped ones match the CPU's prediction.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -114,7 +114,7 @@ fn masked(
     Ok((on, noted))
 }
 
-/// Whether masks are where the table says.
+/// Asserts that masks agree with the table.
 fn assert_expected(expected: &Expected, on: &Outcome, noted: &[Noted]) {
     let scene: Vec<&Noted> =
         noted.iter().filter(|pass| pass.frame >= MASKED_FROM && pass.eyes != "none").collect();

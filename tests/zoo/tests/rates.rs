@@ -140,11 +140,11 @@ fn check_left_alone((_, option, has_attachments, says): (&str, &str, bool, &str)
     Ok(())
 }
 
-/// Styles with draws that cut holes, by discard or by alpha to coverage; draws of the scene's pass, and those of them without holes.
+/// Styles with draws that cut holes, by discard or by alpha to coverage; all draws of the scene's pass, and draws without holes.
 const WITH_HOLES: [(&str, [u32; 2]); 3] =
     [("foliage", [3, 2]), ("taa", [3, 2]), ("alpha-to-coverage", [2, 1])];
 
-/// Draws with holes stay at 1x1 in coarse passes, the others do not, and the log says so.
+/// Draws with holes stay at 1x1 in coarse passes, the others do not, and the log reports it.
 fn check_holes((name, [draws, obeying]): (&str, [u32; 2])) -> Result<(), Failed> {
     let style = parafovea_zoo::style(name).ok_or("no such style")?;
     let outcome = run(style, SHARE, ShadingRateProfile::NvkTuring, FIXED_RINGS, SHARE.scenario())?;

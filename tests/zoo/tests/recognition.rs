@@ -1,4 +1,4 @@
-//! Every style with the layer on: the passes that the layer noted are those of the style's ground truth, and from frame 4 on each is
+//! Every style with the layer on: the passes that the layer noted match the style's ground truth, and from frame 4 on each is
 //! recognised as its kind.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
@@ -65,13 +65,13 @@ fn check(style: &Style) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Whether a pass is on a device without a session, which nobody follows.
+/// Whether a pass is on a device without a session, which the layer does not follow.
 fn is_elsewhere(pass: &PassTruth) -> bool {
     pass.why == "on another device"
 }
 
-/// Whether a pass is recognised as its kind. An image that serves one eye after the other is both eyes': what is finer of both holds.
-/// Passes without colours that could be coarser (depth, numbers) are left alone, whose eye's they may be.
+/// Whether a pass is recognised as its kind. An image that serves one eye after the other is both eyes': the finer rate of both
+/// applies. Passes without colours that could be coarser (depth, numbers) are left alone for any eye.
 fn is_right(noted: &Noted, truth: &PassTruth) -> bool {
     let is_left_alone = noted.why.starts_with("no colour") || noted.why.contains("is not a colour format");
     let expected: &[&str] = match truth.eyes {

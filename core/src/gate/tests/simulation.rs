@@ -10,7 +10,7 @@ pub(super) enum Eyes {
     Rest,
     /// A saccade of four frames every 300 ms, a blink of 15 frames every four seconds.
     Move,
-    /// Nobody sees them.
+    /// Their gaze is lost.
     Lost,
 }
 

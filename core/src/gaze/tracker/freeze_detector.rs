@@ -23,7 +23,7 @@ impl FreezeDetector {
         self.directions.is_some_and(|before| bits(before) == bits(directions))
     }
 
-    /// Takes a sample's directions, and tells whether they have stayed for too long.
+    /// Takes a sample's directions, and returns whether they have stayed for too long.
     pub(super) fn is_frozen(&mut self, settings: &GazeSettings, directions: [Vec3; 2], now_ns: i64) -> bool {
         if !self.is_same(directions) {
             *self = Self { directions: Some(directions), since_ns: now_ns, turned_deg: 0.0 };

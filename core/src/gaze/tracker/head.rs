@@ -17,21 +17,20 @@ pub(super) struct Head {
     /// Oldest first.
     samples: [(Quat, i64); KEPT],
     count: usize,
-    /// From the space in which the head is told.
+    /// From the space of the orientations that are passed in.
     origin: Quat,
     deg_s: f32,
 }
 
 impl Default for Head {
-    /// A head of which nothing was told, which does not turn.
+    /// A head of unknown orientation, which does not turn.
     fn default() -> Self {
         Self { samples: [(Quat::IDENTITY, 0); KEPT], count: 0, origin: Quat::IDENTITY, deg_s: 0.0 }
     }
 }
 
 impl Head {
-    /// Takes how it is turned, a unit quaternion, at a time. Returns by how much it has turned, degrees, since the newest time
-    /// before.
+    /// Takes its orientation, a unit quaternion, at a time. Returns its turn since the newest time before, degrees.
     pub(super) fn turned(&mut self, told: Quat, time_ns: i64) -> f32 {
         let Some((before, before_ns)) = self.newest() else {
             // As what was seen before was taken.
@@ -58,7 +57,7 @@ impl Head {
         angle
     }
 
-    /// Speed, degrees a second; 0 as long as nothing is told.
+    /// Speed, degrees a second; 0 before the second orientation.
     pub(super) fn deg_s(&self) -> f32 {
         self.deg_s
     }
@@ -111,7 +110,7 @@ mod tests {
         Quat::from_rotation_y(deg.to_radians())
     }
 
-    /// A head that turns at 100 degrees a second, told every 10 ms from 0 on.
+    /// A head that turns at 100 degrees a second, with an orientation every 10 ms from 0 on.
     fn turning(frames: i64) -> Head {
         let mut head = Head::default();
         for frame in 0..frames {
@@ -120,7 +119,7 @@ mod tests {
         head
     }
 
-    /// By how many degrees it was turned then.
+    /// Its turn at a time, degrees; NaN if unknown.
     fn turned_deg(head: &Head, time_ns: i64) -> f32 {
         head.at(time_ns).map_or(f32::NAN, |rotation| angle_deg(Quat::IDENTITY, rotation))
     }

@@ -96,8 +96,8 @@ impl LineFit {
     }
 
     /// Directions of the eyes some seconds after the newest sample, where samples scatter by `noise_deg`: on the line if they are known
-    /// to turn; else between the mean of the samples and the line, nearer to the line the better its slope is told from noise: the shrinkage of James and Stein
-    /// (1961).
+    /// to turn; else between the mean of the samples and the line, nearer to the line the clearer its slope is above noise: the shrinkage
+    /// of James and Stein (1961).
     pub(super) fn estimate(&self, noise_deg: f32, turning: bool, seconds: f32) -> [Vec3; 2] {
         let half_s = 0.5 * f32::from(self.count - 1) * self.interval_s;
         if turning {

@@ -12,10 +12,10 @@ const LEAST_STEP_NS: i64 = 500_000;
 /// Fastest that eyes turn, degrees a second, above the 500 to 700 at which saccades peak (Carpenter 1988).
 pub(super) const FASTEST_DEG_S: f32 = 1000.0;
 
-/// Longest saccade: 80 degrees take 197 ms. What stays fast for longer follows the head.
+/// Longest saccade: 80 degrees take 197 ms. Eyes that stay fast for longer follow the head.
 const LONGEST_SACCADE_NS: i64 = 200_000_000;
 
-/// By how much the speed of slow eyes changes from one moment to the next, degrees a second: pursuit sets in with that.
+/// Sudden change of the speed of slow eyes, degrees a second, as at the onset of pursuit.
 const PURSUIT_ONSET_DEG_S: f32 = 30.0;
 
 /// Longest time for which that counts, seconds: after a longer one the gaze is as uncertain.
@@ -25,7 +25,7 @@ const LONGEST_ALLOWANCE_S: f32 = 0.1;
 /// are.
 const JUMP_SIGMAS: f32 = 4.5;
 
-/// Turning is told from noise at so many standard deviations, and is over at so many.
+/// Standard deviations above noise at which turning begins, and below which it ends.
 const TURNING_SIGMAS: [f32; 2] = [3.5, 2.0];
 
 /// Scatter of a tracker's samples, standard deviation along either axis, degrees; before it is measured.
@@ -43,10 +43,10 @@ const NOISE_COUNT: u16 = 6;
 /// Samples that are kept beside the line, in which a saccade may have begun unseen.
 const EARLIER: usize = 3;
 
-/// For how long a saccade may be unseen, nanoseconds: in 17 ms it goes 1.3 degrees far.
+/// Longest time for which a saccade may be unseen, nanoseconds: in 17 ms it goes 1.3 degrees.
 const UNSEEN_NS: i64 = 25_000_000;
 
-/// Least samples in a line before others are told to lie aside of it.
+/// Least samples in a line before others can count as lying aside of it.
 const SHIFT_COUNT: u16 = 4;
 
 /// Least deviation of several samples together, as a part of that of a single one.
@@ -75,7 +75,7 @@ pub(super) struct Motion {
     /// Whether that was the landing of a saccade.
     has_landed: bool,
     turning: bool,
-    /// A sample that was too far away, until the next one says whether the eyes are there.
+    /// A sample that was too far away, until the next one shows whether the eyes are there.
     suspect: Option<EyeSample>,
     noise_deg: f32,
     interval_s: f32,
@@ -108,8 +108,8 @@ impl Motion {
         }
     }
 
-    /// Nothing is known of where the eyes were before, but still of the tracker. `late` says that this is the sample after
-    /// the newest, and that the tracker may be slow.
+    /// Earlier positions of the eyes are unknown, but the tracker's noise and interval are kept. `late`: this is the
+    /// sample after the newest, and the tracker may be slow.
     pub(super) fn found_again(&self, sample: EyeSample, late: bool) -> Self {
         let mut found = Self { noise_deg: self.noise_deg, interval_s: self.interval_s, ..Self::new(sample) };
         if late {
@@ -118,8 +118,8 @@ impl Motion {
         found
     }
 
-    /// Takes a sample that is not before the newest. `head_deg_s` is the speed of the head, which a gaze may follow that rests on what
-    /// turns with it.
+    /// Takes a sample that is not before the newest. `head_deg_s` is the speed of the head, which a gaze may follow that rests on
+    /// content fixed to the head.
     pub(super) fn add(
         &mut self,
         settings: &GazeSettings,
@@ -286,7 +286,7 @@ impl Motion {
         self.line.estimate(self.noise_deg, self.turning, seconds)
     }
 
-    /// A jump that no eye makes: either one sample is wrong, or the next one is there too.
+    /// A jump that no eye makes: either one sample is wrong, or the next one confirms it.
     fn doubt(&mut self, sample: EyeSample, limit_deg: f32) -> Result<(), Implausible> {
         let confirmed = self.suspect.is_some_and(|suspect| {
             let seconds = sample.seconds_since(suspect.time_ns);

@@ -1,8 +1,8 @@
-//! A saccade in flight, and where it will land.
+//! A saccade in flight, and its landing.
 //!
-//! Saccades are ballistic: how long one takes follows from how far it goes (main sequence: 21 ms + 2.2 ms a degree, Carpenter
-//! 1988), and in between it follows nearly the path of least jerk (Flash and Hogan 1985). So the samples since it left say
-//! how likely each amplitude, departure and pace is, and with these where the eyes are at any later time.
+//! Saccades are ballistic: the duration follows from the amplitude (main sequence: 21 ms + 2.2 ms a degree, Carpenter 1988),
+//! and the path is nearly that of least jerk (Flash and Hogan 1985). So the samples since departure give the likelihood of
+//! each amplitude, departure and pace, and with these the directions of the eyes at any later time.
 
 use super::line_fit::EyeSample;
 use crate::geometry::eccentricity;
@@ -39,7 +39,7 @@ const UNSEEN_S: f32 = 0.005;
 /// Part of its duration after which less than 1 % of its way is left.
 const LANDED: f32 = 0.9;
 
-/// By how much a path may differ from that of least jerk, part of its amplitude.
+/// Possible deviation of a path from that of least jerk, as a part of its amplitude.
 const PATH_ERROR: f32 = 0.04;
 
 /// A saccade under way.
@@ -56,7 +56,7 @@ pub(super) struct SaccadePath {
     newest: EyeSample,
     /// Speed over the last step, degrees a second.
     pub(super) speed_deg_s: f32,
-    /// Its landing, as far as the newest sample tells.
+    /// Its landing, as estimated at the newest sample.
     pub(super) landing: Landing,
 }
 

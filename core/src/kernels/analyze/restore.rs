@@ -6,7 +6,7 @@ use crate::perception::{ContrastMap, TileContrast};
 use crate::rate::ShadingRate;
 use crate::reuse::STALE;
 
-/// By how much the finest octave that survives may change from frame to frame for the tile to count as the same.
+/// Greatest factor by which the finest surviving octave of an unchanged tile changes from frame to frame.
 const SAME: f32 = 2.0;
 
 /// The same where the rate has changed: blocks fold finer detail into coarser bands.
@@ -40,8 +40,8 @@ pub struct Shown {
 /// and keep their known contrast), from `previous`, the known contrast of the last frame, and `shown`, the contrast measured then. All four
 /// are of the same tiles; a tile missing in one counts as 1x1 and unknown. `shown` takes the size of `map`.
 ///
-/// A map that judged coarse tiles by what they show would find nothing in them and keep them coarse for ever. One that
-/// only guessed would refine where the guess is too high, measure, coarsen, and guess again: hence the memory.
+/// A map that judged coarse tiles by their measured contrast would find nothing in them and keep them coarse for ever.
+/// One that only guessed would refine where the guess is too high, measure, coarsen, and guess again: hence the memory.
 pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, shown: &mut Plane<Shown>, map: &mut ContrastMap) {
     let size = [map.tiles.width(), map.tiles.height()];
     if [shown.width(), shown.height()] != size {
@@ -62,9 +62,9 @@ pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, shown: &mut Plane<Show
 
 /// One tile with its contrast restored.
 ///
-/// As long as the finest octave that survives changes little, so does the picture: the lost octaves are what they were,
-/// and follow what that octave becomes at the same rate, if that is more than noise. Otherwise they are guessed
-/// ([`extrapolate`]). So is the finest octave that survives: what blocks fold into it would refine the tile, and be gone there.
+/// As long as the finest surviving octave changes little, so does the picture: the lost octaves stay as they were, and follow
+/// changes of that octave at the same rate beyond noise. Otherwise they are estimated ([`extrapolate`]). So is the finest
+/// surviving octave: detail that blocks fold into it would refine the tile, and be gone at the finer rate.
 pub fn restored(
     measured: TileContrast,
     previous: TileContrast,

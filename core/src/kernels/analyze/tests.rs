@@ -98,7 +98,7 @@ fn error(picture: &Plane, settings: &ContrastSettings) -> [f32; BANDS] {
     })
 }
 
-/// As the documentation of [`analyze`] says.
+/// Error bound, as in the documentation of [`analyze`].
 const BOUND: f32 = 0.002;
 
 #[test]

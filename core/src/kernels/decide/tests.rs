@@ -26,7 +26,7 @@ fn view(orientation: Quat, extent: [u32; 2]) -> View {
     View { orientation, plane: FOV.tangents().plane(extent) }
 }
 
-/// A map whose contrast says which tile it is of.
+/// A map whose contrast identifies the tile.
 fn numbered(params: &DecideParams) -> ContrastMap {
     let [columns, rows] = params.tiles;
     let tile = |x: u32, y: u32| TileContrast {

@@ -9,7 +9,7 @@ use half::f16;
 pub enum FillFormat {
     /// R8G8B8A8 or B8G8R8A8, UNORM.
     Unorm8,
-    /// R8G8B8A8 or B8G8R8A8, sRGB. Interpolated as squares of what is stored: linear light to within the difference
+    /// R8G8B8A8 or B8G8R8A8, sRGB. Interpolated as squares of the stored values: linear light to within the difference
     /// between the sRGB curve and a power of 2, at a multiplication and a square root.
     Srgb8,
     /// A2B10G10R10 or A2R10G10B10, UNORM, packed into 32 bits with alpha in the highest two.

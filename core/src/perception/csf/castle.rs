@@ -13,7 +13,7 @@ use std::f32::consts::{LOG2_10, LOG2_E, LOG10_2};
 
 /// Sensitivity to luminance contrast, the sum of [`sustained`] and [`transient`]; > 0 up to where f32 ends.
 ///
-/// Out of domain or NaN: as [`Stimulus::clamped`] says.
+/// Out of domain or NaN: as in [`Stimulus::clamped`].
 pub fn achromatic(stimulus: &Stimulus, field: VisualField) -> f32 {
     achromatic_fall(stimulus).at(stimulus.clamped().eccentricity_deg, field)
 }
@@ -34,14 +34,14 @@ pub fn transient(stimulus: &Stimulus, field: VisualField) -> f32 {
 
 /// Sensitivity of the red-green mechanism to contrast between L and M cones, > 0.
 ///
-/// Out of domain or NaN: as [`Stimulus::clamped`] says.
+/// Out of domain or NaN: as in [`Stimulus::clamped`].
 pub fn red_green(stimulus: &Stimulus, field: VisualField) -> f32 {
     red_green_fall(stimulus).at(stimulus.clamped().eccentricity_deg, field)
 }
 
 /// Sensitivity of the yellow-violet mechanism to contrast between S cones and both others, > 0.
 ///
-/// Out of domain or NaN: as [`Stimulus::clamped`] says.
+/// Out of domain or NaN: as in [`Stimulus::clamped`].
 pub fn yellow_violet(stimulus: &Stimulus, field: VisualField) -> f32 {
     yellow_violet_fall(stimulus).at(stimulus.clamped().eccentricity_deg, field)
 }

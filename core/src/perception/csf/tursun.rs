@@ -1,8 +1,8 @@
 //! The contrast sensitivity that paper A was fitted with: Tursun et al., "Luminance-contrast-aware foveated rendering",
 //! ACM Transactions on Graphics 38(4), 2019, with the constants of its Matlab code (AwareFoveation, MIT licence).
 //!
-//! Fitted to a study, not physical: the values are about 1000 times those of [`super::castle`], do not fall steadily with
-//! frequency, and mean something only together with paper A's constants.
+//! Fitted to a study, not physical: the values are about 1000 times as large as in [`super::castle`], do not fall
+//! steadily with frequency, and mean something only together with paper A's constants.
 
 use super::{SensitivityFall, Stimulus, VisualField};
 use crate::perception::BANDS;
@@ -11,7 +11,7 @@ use std::f32::consts::{LOG2_10, LOG2_E};
 
 /// Sensitivity by [`Fit::QUARTER`], the fit that matches paper A's quarter-resolution frame; >= 0.
 ///
-/// Out of domain or NaN: as [`Stimulus::clamped`] says, except that there is no least frequency.
+/// Out of domain or NaN: as in [`Stimulus::clamped`], but without a least frequency.
 pub fn sensitivity(frequency_cpd: f32, eccentricity_deg: f32, adaptation_cd_m2: f32) -> f32 {
     Fit::QUARTER.sensitivity(frequency_cpd, eccentricity_deg, adaptation_cd_m2)
 }
@@ -42,7 +42,7 @@ impl Fit {
 
     /// S0(f) * exp(-fall * eccentricity * f) * (1 + 0.7 / L)^-0.2, >= 0.
     ///
-    /// Out of domain or NaN: as [`Stimulus::clamped`] says, except that there is no least frequency.
+    /// Out of domain or NaN: as in [`Stimulus::clamped`], but without a least frequency.
     pub fn sensitivity(&self, frequency_cpd: f32, eccentricity_deg: f32, adaptation_cd_m2: f32) -> f32 {
         let eccentricity = within(eccentricity_deg, Stimulus::ECCENTRICITY_DEG, 0.0);
         self.at(frequency_cpd, adaptation_cd_m2).at(eccentricity, VisualField::Worst)

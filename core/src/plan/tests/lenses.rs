@@ -98,8 +98,8 @@ fn rates_fall_off_from_the_nearer_lens_and_never_rise() {
     }
 }
 
-/// The rail: what both eyes see has one rate. Tiles lie elsewhere in either view, so that the one may have a finer rate for the sake of a
-/// neighbour: directions near the border of a ring are left out.
+/// Directions that both eyes see have one rate. Tiles lie elsewhere in either view, so that the one may have a finer rate for the sake of
+/// a neighbour: directions near the border of a ring are left out.
 #[test]
 fn where_the_views_overlap_both_eyes_have_one_rate() {
     for headset in &HEADSETS {
@@ -126,7 +126,8 @@ fn where_the_views_overlap_both_eyes_have_one_rate() {
     }
 }
 
-/// Of a canted display, the part that is wider than with rings around straight ahead is small; with parallel displays nothing changes.
+/// On a canted display, the additional area over rings around the head's forward direction is small; with parallel displays nothing
+/// changes.
 #[test]
 fn canted_displays_shade_little_more_than_with_one_centre() {
     let shares = HEADSETS.each_ref().map(|headset| {

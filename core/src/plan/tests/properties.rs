@@ -86,7 +86,7 @@ proptest! {
         }
     }
 
-    /// With any settings, whatever contrast and sound say.
+    /// With any settings, contrast and sound.
     #[test]
     fn fovea_has_full_rate(
         map in any_map(), left in ahead(), velocity_deg_s in 0.0f32..800.0, by_contrast in any::<bool>(), cap in any::<bool>(),

@@ -134,7 +134,7 @@ fn tiles(rects: &TileRects) -> BTreeSet<[u32; 2]> {
 }
 
 proptest! {
-    /// The lists are made from corners of tiles; each pixel has its own say here.
+    /// The lists are made from corners of tiles; here each pixel is checked.
     #[test]
     fn lists_agree_with_pixels(
         width in prop_oneof![20u32..90, 300u32..400], height in 20u32..90, texel in prop::array::uniform2(prop_oneof![Just(8u32), Just(16), 5u32..20]),

@@ -30,8 +30,8 @@ fn is_set(row: &[u64], [column, _]: [u32; 2]) -> bool {
     bits::read(row, column as i32) & 1 == 1
 }
 
-/// Of all tiles: how many the earlier picture has all of, by itself and by its block; fails where the block says more than the tile, or less
-/// of a part, of all of it or of an edge.
+/// Number of tiles that the earlier picture has entirely, by the tile and by its block. Fails if a block claims a whole tile or an edge
+/// that the picture lacks, or misses a tile that it has in part.
 fn counted(reuse: &Reuse, border: f32) -> Result<[usize; 2], TestCaseError> {
     let mut places = TilePlaces::default();
     places.begin(reuse, border);

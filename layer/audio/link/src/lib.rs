@@ -23,7 +23,7 @@ pub type GetTable = unsafe extern "C" fn() -> *const CaptureTable;
 /// One capture, known to the library that made it.
 pub type Handle = *const std::ffi::c_void;
 
-/// The functions of the library that listens. No function panics; all may be called from any thread.
+/// Functions of the library that captures sound. No function panics; all may be called from any thread.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CaptureTable {
@@ -31,12 +31,12 @@ pub struct CaptureTable {
     pub version: u32,
     /// `size_of::<CaptureTable>()` of that library.
     pub size: u32,
-    /// Begins to listen, on threads of its own; null where that is not possible. What the record points to is copied.
+    /// Starts a capture, on threads of its own; null if that is not possible. Data that the record points to is copied.
     pub start: unsafe extern "C" fn(settings: *const SettingsRecord) -> Handle,
     /// Writes the newest features; returns 1, or 0 where there are none yet. Neither waits nor allocates.
     pub features: unsafe extern "C" fn(capture: Handle, features: *mut FeaturesRecord) -> u32,
-    /// Takes the oldest line for the log that was not taken yet: writes at most `capacity` bytes of UTF-8 to `text` and
-    /// returns how many; 0 where there is none.
+    /// Takes the oldest line for the log that was not taken yet: writes at most `capacity` bytes of UTF-8 to `text` and returns their
+    /// number; 0 if there is none.
     pub news: unsafe extern "C" fn(capture: Handle, text: *mut u8, capacity: u32) -> u32,
     /// Ends a capture, which is not to be used any more. Does not wait for its threads, which end soon.
     pub stop: unsafe extern "C" fn(capture: Handle),
@@ -70,7 +70,7 @@ pub struct SettingsRecord {
     pub greatest_lufs: f32,
 }
 
-/// Features of the sound (`parafovea_core::audio::AudioFeatures`), and how far they can be relied on.
+/// Features of the sound (`parafovea_core::audio::AudioFeatures`), and their reliability.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FeaturesRecord {

@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 
-/// The cards of this machine, from the kernel. ALSA's library is not asked before one is there that we want: it has a lot to
-/// say on standard error where it finds none.
+/// The cards of this machine, from the kernel. ALSA's library is not called unless the wanted card is present: it prints a lot to standard
+/// error if it finds none.
 const CARDS: &str = "/proc/asound/cards";
 
 /// Why nothing is heard from a loop-back card.
@@ -28,10 +28,10 @@ pub enum LoopbackError {
     Samples(SampleFormat),
 }
 
-/// Listens until the capture ends, something better is there, or the card fails.
+/// Records until the capture ends, a better source is available, or the card fails.
 ///
 /// # Errors
-/// There is no such card, or it cannot be listened to.
+/// There is no such card, or it cannot be captured.
 pub fn listen(shared: &Shared, is_better: impl Fn() -> bool) -> Result<(), LoopbackError> {
     let cards = std::fs::read_to_string(CARDS).unwrap_or_default();
     let card = loopback_card(&cards).ok_or(LoopbackError::NoCard)?;

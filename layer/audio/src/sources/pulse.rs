@@ -1,9 +1,9 @@
 //! The system's sound, from a sound server that speaks PulseAudio's protocol: PulseAudio, or PipeWire with pipewire-pulse.
 //!
-//! A stream is recorded from the monitor of the default output, which is found by asking the server for that output. The
-//! server may not move it (`no_move`): when an output goes away, it moves recordings to the default *input*, which is a
-//! microphone. cpal's host for PulseAudio cannot forbid that, nor say whether the output is muted, and waits for the
-//! server without limit; hence the protocol itself, one thread, and nothing that waits longer than a moment.
+//! A stream is recorded from the monitor of the default output, which is found by asking the server for that output. The server may not
+//! move it (`no_move`): when an output goes away, it moves recordings to the default *input*, which is a microphone. cpal's host for
+//! PulseAudio cannot forbid that, nor report whether the output is muted, and waits for the server without limit; hence the protocol
+//! itself, one thread, and nothing that waits longer than a moment.
 
 mod connection;
 mod output;
@@ -30,7 +30,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// Changes that come closer together, as while a slider is moved, are looked at together.
 const SETTLE: Duration = Duration::from_millis(20);
 
-/// Whether a server is there. (A socket may be left of one that is not.)
+/// Whether a server is running. (A socket may be left by one that has ended.)
 pub fn is_there() -> bool {
     place::socket().is_some_and(|path| UnixStream::connect(path).is_ok())
 }
@@ -219,7 +219,7 @@ impl Listener<'_> {
         Ok(())
     }
 
-    /// Ends the recording. Whatever still comes of it is not heard.
+    /// Ends the recording. Samples of it that still arrive are ignored.
     fn leave(&mut self) -> Result<(), Fault> {
         if let Some(stream) = self.stream.take() {
             // The server may know it no more; its answer is of no interest.

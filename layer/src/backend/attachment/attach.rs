@@ -180,8 +180,8 @@ impl Rates {
         self.passes.remove(pass);
     }
 
-    /// `vkCreateFramebuffer`, with a rate image where the render pass has a rate attachment of ours. `colour` is the
-    /// index of the first colour attachment, `target` what is there, of a framebuffer that is not imageless.
+    /// `vkCreateFramebuffer`, with a rate image if the render pass has a rate attachment of ours. `colour` is the index of the first colour
+    /// attachment, `target` its image, if the framebuffer is not imageless.
     ///
     /// # Safety
     ///
@@ -245,7 +245,7 @@ impl Rates {
         Some((amended, Attached::Image(image)))
     }
 
-    /// No image goes with a framebuffer, which is larger than the device says that it can be.
+    /// The error for a framebuffer that no rate image fits, as it is larger than the device's limits. Logs it.
     fn too_large(info: &vk::FramebufferCreateInfo<'_>) -> vk::Result {
         tracing::warn!("a framebuffer of {}x{} exceeds the device's limits", info.width, info.height);
         vk::Result::ERROR_OUT_OF_DEVICE_MEMORY

@@ -1,4 +1,4 @@
-//! Rates that are set by commands: the application's, and those of pipelines that are linked from parts.
+//! Rates that are set by commands: the application's rates, and the rates of pipelines that are linked from parts.
 
 use super::pipeline::{PipelineRate, is_default};
 use crate::vk::table::Table;
@@ -13,7 +13,7 @@ pub struct SetRate {
     pub combiners: [Combiner; 2],
 }
 
-/// The rate that the application has set in a command buffer. It need not be forgotten when recording begins anew: before it draws, the
+/// The rate that the application has set in a command buffer. It need not be forgotten when recording begins again: before it draws, the
 /// application sets its rate again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Recorded {

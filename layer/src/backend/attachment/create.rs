@@ -8,8 +8,8 @@ use ash::vk;
 use parafovea_manifest::quirks::Quirks;
 use std::ffi::CStr;
 
-/// The creation of an instance, with `VK_KHR_get_physical_device_properties2` added where the application asked for a
-/// version without it. `None` where it is there already.
+/// The creation of an instance, with `VK_KHR_get_physical_device_properties2` added if the application asked for a version without it.
+/// `None` if it is enabled already.
 ///
 /// # Safety
 ///
@@ -42,7 +42,7 @@ pub struct Enabled {
     pub quirks: Quirks,
     /// Families of its queues, each once.
     pub families: Vec<u32>,
-    /// Whether `VK_KHR_image_format_list` is there.
+    /// Whether `VK_KHR_image_format_list` is available.
     pub has_format_lists: bool,
     /// Whether the application enables the extension itself.
     pub application_sets_rates: bool,
@@ -50,10 +50,10 @@ pub struct Enabled {
     pub links_pipelines: bool,
 }
 
-/// The creation of a device, with the extension, those that it depends on, and its features added.
+/// The creation of a device, with the extension, its dependencies, and its features added.
 ///
-/// Features that the application chains itself are amended, also where it enables them for its own rates: a pass or
-/// a pipeline of its own is told apart later.
+/// Features that the application chains itself are amended, also if it enables them for its own rates: its own passes and pipelines are
+/// distinguished later.
 ///
 /// # Errors
 ///
@@ -61,8 +61,8 @@ pub struct Enabled {
 ///
 /// # Safety
 ///
-/// The physical device is a live one of the instance; `info` and its chain are valid, outlive `copies`, and nobody
-/// else uses them meanwhile. The result points to memory of `info` and of `copies`.
+/// The physical device is a live one of the instance; `info` and its chain are valid, outlive `copies`, and are not used elsewhere
+/// meanwhile. The result points to memory of `info` and of `copies`.
 pub unsafe fn device<'c>(
     instance: &Instance,
     physical_device: vk::PhysicalDevice,
@@ -122,7 +122,7 @@ pub unsafe fn device<'c>(
     Ok((amended, enabled))
 }
 
-/// The extension, and those that it depends on, each with the first version of Vulkan that has it built in.
+/// The extension and its dependencies, each with the first version of Vulkan that has it built in.
 const NEEDED: [(&CStr, u32); 4] = [
     (vk::KHR_FRAGMENT_SHADING_RATE_NAME, u32::MAX),
     (vk::KHR_CREATE_RENDERPASS2_NAME, vk::API_VERSION_1_2),

@@ -1,4 +1,4 @@
-//! Framebuffers: the view of a rate image joins those of the application.
+//! Framebuffers: the view of a rate image joins the application's views.
 
 use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
@@ -58,7 +58,7 @@ pub unsafe fn with_view<'c>(
 ///
 /// # Safety
 ///
-/// As for [`with_view`]; the chain outlives `copies`, and nobody else uses it meanwhile.
+/// As for [`with_view`]; the chain outlives `copies`, and is not used elsewhere meanwhile.
 pub unsafe fn with_promise<'c>(
     info: &vk::FramebufferCreateInfo<'c>,
     promise: &Promise,
@@ -91,12 +91,11 @@ pub unsafe fn with_promise<'c>(
     vk::FramebufferCreateInfo { p_next, attachment_count: info.attachment_count + 1, ..*info }
 }
 
-/// The begin of a render pass with an imageless framebuffer, with a view added behind those that it names.
+/// The begin of a render pass with an imageless framebuffer, with a view added after the ones that it names.
 ///
 /// # Safety
 ///
-/// `info` and its chain are valid and outlive `copies`, and nobody else uses the chain meanwhile. The result points to
-/// memory of both.
+/// `info` and its chain are valid and outlive `copies`, and the chain is not used elsewhere meanwhile. The result points to memory of both.
 pub unsafe fn begin_with_view<'c>(
     info: &vk::RenderPassBeginInfo<'c>,
     view: vk::ImageView,

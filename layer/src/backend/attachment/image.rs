@@ -248,7 +248,7 @@ impl RateImages {
     ///
     /// # Safety
     ///
-    /// The record is of a live device, which has what is enabled.
+    /// The record is of a live device, which has the extensions and features in `enabled`.
     pub unsafe fn of_device(record: &DeviceRecord, enabled: &Enabled) -> Result<Self, GpuError> {
         // SAFETY: the record is of a live device, as `# Safety` demands.
         let (functions, memory_types, limits) = unsafe {
@@ -291,7 +291,7 @@ impl RateImages {
         })
     }
 
-    /// The image of that key, which is made where there is none yet; nothing where that fails.
+    /// The image of that key, which is made if there is none yet; `None` if that fails.
     pub fn of(&self, key: RateImageKey) -> Option<Arc<RateImage>> {
         if let Some(known) = self.live().get(&key).and_then(Weak::upgrade) {
             return Some(known);

@@ -5,7 +5,7 @@ use ash::vk;
 /// Size of an allocation that images share, bytes: a map of 256x256 texels has 64 KiB.
 const BLOCK: vk::DeviceSize = 1 << 20;
 
-/// One allocation. What is freed in it is used again when all of it is free.
+/// One allocation. Freed ranges are used again once all of it is free.
 #[derive(Debug)]
 struct Block {
     memory: vk::DeviceMemory,

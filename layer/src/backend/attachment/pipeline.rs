@@ -27,12 +27,12 @@ const SHADING: Parts =
 
 /// The pipeline with the additions that make it obey rate attachments, and its rate.
 ///
-/// `effects` says what the fragment shader of a stage does, `linked` what the rate of a library is.
+/// `effects` returns the effects of a stage's fragment shader, `linked` the rate of a library.
 ///
 /// # Safety
 ///
-/// `info` and its chain are valid (valid usage of vkCreateGraphicsPipelines) and outlive `copies`, and nobody else uses
-/// the chain meanwhile. The result points to memory of both.
+/// `info` and its chain are valid (valid usage of vkCreateGraphicsPipelines) and outlive `copies`, and the chain is not used elsewhere
+/// meanwhile. The result points to memory of both.
 pub unsafe fn with_rates<'c>(
     info: &vk::GraphicsPipelineCreateInfo<'c>,
     capabilities: &RateCapabilities,
@@ -252,7 +252,7 @@ unsafe fn is_too_fine(
     }
 }
 
-/// Whether a pipeline cuts holes by alpha to coverage. What commands set is not known here.
+/// Whether a pipeline cuts holes by alpha to coverage. State that commands set is not known here.
 ///
 /// # Safety
 ///

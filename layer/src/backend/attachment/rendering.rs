@@ -44,8 +44,7 @@ pub fn is_suspended(info: &vk::RenderingInfo<'_>) -> bool {
 ///
 /// # Safety
 ///
-/// `info` and its chain are valid and outlive `copies`, and nobody else uses the chain meanwhile. The result points to
-/// memory of both.
+/// `info` and its chain are valid and outlive `copies`, and the chain is not used elsewhere meanwhile. The result points to memory of both.
 pub unsafe fn with_view<'c>(
     info: &vk::RenderingInfo<'c>,
     view: vk::ImageView,

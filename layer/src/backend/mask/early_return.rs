@@ -1,15 +1,15 @@
 //! Fragment shaders that return at once in skipped blocks: SPIR-V with a test of ours in front of the application's code.
 //!
-//! The entry point becomes a function of ours, which looks up the fragment's block ([`EarlyReturnParams`]) and calls the
-//! application's where that is shaded. Nothing else of the module changes, so that shaded fragments compute what they would:
-//! - Blocks of 4x4 pixels are counted from the framebuffer's corner, whatever viewport and render area are, and so are quads
-//!   of 2x2: all invocations of a quad, helpers too, have their own FragCoord and take the same way. Derivatives need no more
-//!   (Vulkan specification, "Derivative Operations": control flow that is uniform within the quad).
-//! - Operations on subgroups see fewer invocations than before, unless each lies in one block; modules that have any but the election of one, and
-//!   quads', are left alone. On the CPU each does: llvmpipe shades stamps of 4x4 pixels, aligned to four, by one or more vectors each, and SwiftShader
-//!   quads. What subgroups hold is up to the device (Vulkan specification, "Subgroup").
-//! - Nothing is discarded. Where the shader itself neither discards nor writes depth or coverage, the samples that pass depth
-//!   tests are those that would, and their depth is written. An early fragment's outputs are zero.
+//! The entry point becomes a function of ours, which looks up the fragment's block ([`EarlyReturnParams`]) and calls the application's if
+//! that is shaded. Nothing else in the module changes, so that shaded fragments compute the same results:
+//! - Blocks of 4x4 pixels are counted from the framebuffer's corner, regardless of viewport and render area, and so are quads of 2x2: all
+//!   invocations of a quad, helpers too, have their own FragCoord and take the same way. Derivatives need no more (Vulkan specification,
+//!   "Derivative Operations": control flow that is uniform within the quad).
+//! - Operations on subgroups see fewer invocations than before, unless each lies in one block; modules that have any but the election of
+//!   one, and quads', are left alone. On the CPU each does: llvmpipe shades stamps of 4x4 pixels, aligned to four, by one or more vectors
+//!   each, and SwiftShader quads. The content of subgroups is up to the device (Vulkan specification, "Subgroup").
+//! - Nothing is discarded. Where the shader itself neither discards nor writes depth or coverage, the same samples pass depth tests, and
+//!   their depth is written. An early fragment's outputs are zero.
 //!
 //! The result depends on the module alone: it is the same in every run.
 //!
@@ -31,8 +31,8 @@ pub struct EarlyReturn<'a> {
     pub set: u32,
     /// Whether the layer is the view that is drawn (multiview), else 0.
     pub by_view: bool,
-    /// Whether no subgroup of the device lies in two blocks of 4x4 pixels that are counted from the framebuffer's corner: all invocations of
-    /// one take the same way, as those of a quad do.
+    /// Whether no subgroup of the device lies in two blocks of 4x4 pixels that are counted from the framebuffer's corner: all invocations
+    /// of one take the same path, like the invocations of a quad.
     pub has_whole_subgroups: bool,
 }
 
@@ -73,7 +73,7 @@ pub fn discards(words: &[u32]) -> bool {
 /// The module with the shader returning early, and no other entry point.
 ///
 /// # Errors
-/// What stands against it.
+/// The reason against it.
 pub fn returning_early(words: &[u32], wanted: EarlyReturn<'_>) -> Result<Vec<u32>, NoEarlyReturn> {
     let parsed = Parsed::of(words).ok_or(NoEarlyReturn::Unknown)?;
     let is_over_subgroups = |found: &Instruction<'_>| {

@@ -77,7 +77,7 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// Notes a depth test; those that go neither way say nothing.
+    /// Notes a depth test; tests in neither direction have no effect.
     pub fn see(&mut self, compare: vk::CompareOp) {
         self.less |= matches!(compare, vk::CompareOp::LESS | vk::CompareOp::LESS_OR_EQUAL);
         self.greater |= matches!(compare, vk::CompareOp::GREATER | vk::CompareOp::GREATER_OR_EQUAL);
@@ -194,7 +194,7 @@ const READS: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
         | vk::ImageUsageFlags::INPUT_ATTACHMENT.as_raw(),
 );
 
-/// Whether a pass can have a mask: shaded pixels are bit for bit as without, and nobody reads the others.
+/// Whether a pass can have a mask: shaded pixels are bit-identical to rendering without it, and the others are not read.
 ///
 /// # Errors
 /// The first reason against it.

@@ -5,9 +5,8 @@ use crate::kernels::fill::{USAGE, fill_format};
 use crate::kernels::{depth, samples};
 use ash::vk;
 
-/// The usage that an image needs that is created like this, besides the application's; nothing where it can be neither
-/// depth nor colour of a masked pass. A device may refuse it; then the image is created as the application asks, and its
-/// passes are left alone.
+/// The usage that an image with this description needs, besides the application's; empty if it can be neither depth nor colour of a masked
+/// pass. A device may refuse it; then the image is created as the application asks, and its passes are left alone.
 pub fn added_usage(info: &vk::ImageCreateInfo<'_>) -> vk::ImageUsageFlags {
     let plain = info.image_type == vk::ImageType::TYPE_2D
         && info.tiling == vk::ImageTiling::OPTIMAL

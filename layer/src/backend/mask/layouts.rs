@@ -1,5 +1,5 @@
-//! Pipeline layouts with a set of ours behind the application's, for fragment shaders that return early. They are made with the
-//! application's own, because what those are made of may be gone by the time that one is needed.
+//! Pipeline layouts with a set of ours behind the application's, for fragment shaders that return early. They are created together with the
+//! application's own, because the set layouts of those may be destroyed before one is needed.
 
 use super::Masks;
 use crate::abi::copies::slice;
@@ -64,8 +64,7 @@ impl Masks {
         self.return_layout.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A layout with a set of ours behind those of one that was created; nothing where the device does not take it, or
-    /// something is not known.
+    /// A copy of a created layout with a set of ours behind its sets; `None` if the device does not support it, or part of it is not known.
     ///
     /// # Safety
     ///

@@ -42,7 +42,7 @@ impl Masks {
     ///
     /// # Safety
     ///
-    /// `info` is what `pass` was created of on the live device, whose function `next` is.
+    /// `pass` was created from `info` on the live device, and `next` is a function of that device.
     pub unsafe fn add_render_pass(
         &self,
         device: vk::Device,

@@ -92,8 +92,7 @@ impl MaskMap {
         self.depth.get_or_init(make).is_some()
     }
 
-    /// The template, whatever its kind, in a set for fragment shaders that return early, valid as long as `self`. Nothing where they cannot
-    /// read it.
+    /// The template, of any kind, in a set for fragment shaders that return early, valid as long as `self`. `None` if they cannot read it.
     pub(crate) fn return_set(&self, layout: &Arc<ReturnLayout>) -> Option<vk::DescriptorSet> {
         let make = || {
             let Eligible { format, depths, .. } = self.eligible;
@@ -241,7 +240,7 @@ impl MaskMap {
     }
 
     /// Records the fill of an image of several samples, which is in `layout` before and after, with the objects of
-    /// [`Self::prepare_samples`]. What is bound for drawing changes, too.
+    /// [`Self::prepare_samples`]. The bound graphics state changes, too.
     pub fn fill_samples(
         &self,
         commands: &AppCommands,

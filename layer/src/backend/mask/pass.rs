@@ -24,12 +24,12 @@ impl Masks {
     }
 
     /// Records the commands ahead of a pass that may have a mask. Returns the mask, with the begin of the pass from `loading`, which is
-    /// `None` where it begins as the application says; `None` without a mask, and then `pass` has the reason. `settle` is called before,
-    /// with the mask if it has a template: what waits in what it draws to is filled, or goes on waiting.
+    /// `None` if the pass begins unchanged; `None` without a mask, and then `pass` has the reason. `settle` is called before, with the mask
+    /// if it has a template: fills that wait in the pass's attachments are recorded, or go on waiting.
     ///
     /// # Safety
     ///
-    /// `commands` is recording, outside of a render pass, on this thread; what the pass draws to is live until it has run.
+    /// `commands` is recording, outside of a render pass, on this thread; the attachments of the pass are live until it has run.
     #[allow(clippy::too_many_arguments, reason = "what is known of a pass comes from four sides")]
     pub unsafe fn begin_pass<T>(
         &self,
@@ -89,8 +89,8 @@ impl Masks {
         open.record_after(&commands);
     }
 
-    /// The colour of the passes that are to go on with the depth of a pre-pass, if earlier frames have shown one: by the depth that it clears, and
-    /// how many passes of the command buffer cleared that before, this one counted.
+    /// The colour of the passes that are to go on with the depth of a pre-pass, if earlier frames have shown one: by the depth that it
+    /// clears, and the number of the command buffer's passes that have cleared that, including this one.
     pub fn chained(&self, depth: ImageKey, prepasses: u32) -> Option<Target> {
         self.chains.get((depth, prepasses))
     }

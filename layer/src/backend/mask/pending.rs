@@ -1,8 +1,8 @@
 //! Fills of images of several samples, which wait for a reader: passes that go on with an image leave the same blocks out.
 //!
-//! An image in a layout that is of attachments alone is read by nobody else (Vulkan specification, "Image Layouts"): it is filled when it
-//! leaves that layout, when another pass draws to it, and at the end of the command buffer. What waits also tells whose template depth
-//! holds.
+//! An image in a layout for attachments alone has no other readers (Vulkan specification, "Image Layouts"): it is filled when it leaves
+//! that layout, when another pass draws to it, and at the end of the command buffer. The waiting fills also identify the mask whose
+//! template is in the depth image.
 
 use super::Masks;
 use super::attachments::is_written;
@@ -29,7 +29,7 @@ pub struct Pending {
 }
 
 impl Pending {
-    /// Whether it may wait: the image is in a layout in which nobody reads it.
+    /// Whether it may wait: the image is in a layout for attachments alone.
     pub fn may_wait(&self) -> bool {
         match self.fill.is_color() {
             true => matches!(

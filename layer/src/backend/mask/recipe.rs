@@ -59,7 +59,7 @@ unsafe impl Send for Recipe {}
 // SAFETY: as above.
 unsafe impl Sync for Recipe {}
 
-/// Flags that say how the application wants its own pipeline made, or related to others.
+/// Flags that concern only the creation of the application's own pipeline, or its relation to others.
 const NOT_KEPT: vk::PipelineCreateFlags = vk::PipelineCreateFlags::from_raw(
     vk::PipelineCreateFlags::ALLOW_DERIVATIVES.as_raw()
         | vk::PipelineCreateFlags::DERIVATIVE.as_raw()
@@ -176,7 +176,7 @@ fn has_tessellation(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> bool {
     stages.iter().any(|stage| stage.stage == vk::ShaderStageFlags::TESSELLATION_CONTROL)
 }
 
-/// The code of a stage; nothing where it has more to say than code and a name for tools.
+/// The code of a stage; `None` if its chain has more than code and a name for tools.
 ///
 /// # Safety
 ///
@@ -247,8 +247,8 @@ unsafe fn stage_of(
 ///
 /// # Safety
 ///
-/// Valid usage of vkCreateGraphicsPipelines, of a pipeline that is whole and rasterises to a pass with colour; `has_tessellation` and
-/// `has_depth` say whether its stages have tessellation, and that pass depth or stencil.
+/// Valid usage of vkCreateGraphicsPipelines, of a pipeline that is whole and rasterises to a pass with colour; `has_tessellation` is
+/// whether its stages have tessellation, `has_depth` whether that pass has depth or stencil.
 unsafe fn state_of(
     info: &vk::GraphicsPipelineCreateInfo<'_>,
     has_tessellation: bool,

@@ -46,7 +46,7 @@ impl Masks {
         self.returning.get(pipeline).is_some()
     }
 
-    /// Has the substitute of a pipeline made, where it may be; whether that is there, or can never be.
+    /// Requests the substitute of a pipeline, if it may have one. True once it is made, false if it cannot be made, else `None`.
     pub fn prepare_return(&self, pipeline: vk::Pipeline, keeps_coverage: bool) -> Option<bool> {
         match self.returning(pipeline, keeps_coverage) {
             Some(_) => Some(true),

@@ -1,6 +1,7 @@
 //! Facts about shader objects that masks depend on (VK_EXT_shader_object).
 //!
-//! All their state is set by commands, which unlike pipelines say nothing of depth tests: the way of those follows from the clear value.
+//! All their state is set by commands, so that depth tests are not known, unlike with pipelines: their direction follows from the clear
+//! value.
 
 use super::Masks;
 use crate::backend::mask::{DynamicStencil, PipelineFacts};

@@ -191,7 +191,7 @@ impl TargetMask {
         matches!(wanted, Wanted::Waiting | Wanted::Failed)
     }
 
-    /// One is there, or cannot be made.
+    /// Notes that such a shader is ready, or cannot be made.
     pub fn prepared_return(&self, keeps_coverage: bool, is_there: bool) {
         let wanted = if is_there { Wanted::Ready } else { Wanted::Failed };
         self.seen().returns[usize::from(keeps_coverage)] = wanted;

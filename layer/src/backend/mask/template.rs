@@ -9,8 +9,8 @@ use parafovea_core::kernels::template::TemplateParams;
 use parafovea_core::mask::{BLOCK, DepthFormat, Mask, TemplateDepths, write_template};
 use std::sync::Arc;
 
-/// The template of one kind of pass. What it holds may change between two submits, by a copy to
-/// [`DepthTemplate::handle`] of what [`DepthTemplate::write`] writes.
+/// The template of one kind of pass. Its content may change between two submits, by a copy of the output of [`DepthTemplate::write`] to
+/// [`DepthTemplate::handle`].
 pub struct DepthTemplate {
     // Before `buffer`, which its set names.
     image: Option<TemplateImage>,
@@ -119,8 +119,8 @@ impl DepthTemplate {
         }
     }
 
-    /// Whether the copy can begin at this render area: offsets into buffers of depth are multiples of four bytes; those of
-    /// images are free.
+    /// Whether the copy can begin at this render area: offsets into buffers of depth are multiples of four bytes, offsets into images are
+    /// free.
     pub fn takes(&self, area: vk::Rect2D) -> bool {
         let vk::Rect2D { offset, extent } = area;
         let end =

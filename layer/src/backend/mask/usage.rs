@@ -10,8 +10,8 @@ const HARMLESS: [vk::StructureType; 2] =
     [vk::StructureType::IMAGE_FORMAT_LIST_CREATE_INFO, vk::StructureType::IMAGE_STENCIL_USAGE_CREATE_INFO];
 
 impl Masks {
-    /// The usage to create an image with, where that is more than the application asks for and the device allows it. The
-    /// same for equal images: memory may be shared by what was asked of one.
+    /// The usage to create an image with, if that is more than the application asks for and the device allows it. It is the same for equal
+    /// images: applications may use the memory requirements of one for another.
     ///
     /// # Safety
     ///

@@ -5,8 +5,8 @@ use crate::rate_map::RateImage;
 use parafovea_core::mask::{Mask, MaskView, TileRates};
 use smallvec::SmallVec;
 
-/// Lays the rates that [`crate::rate_map::resolve`] wrote for `image` over the pictures of a pass that `parts` say. Views
-/// end where a part does: nothing is interpolated from one into another.
+/// Lays the rates that [`crate::rate_map::resolve`] wrote for `image` over the pictures of a pass, which `parts` describe. Views end where
+/// a part does: nothing is interpolated from one into another.
 pub fn resolve_mask(mask: &mut Mask, parts: &[Part], image: &RateImage, rates: &[u8]) {
     let views: Views = views(parts, image, rates).collect();
     mask.resolve(&views);
@@ -15,7 +15,7 @@ pub fn resolve_mask(mask: &mut Mask, parts: &[Part], image: &RateImage, rates: &
 /// The views of a pass.
 type Views<'a> = SmallVec<[MaskView<'a>; 8]>;
 
-/// The views that `parts` say, without those that overlap an earlier one; their rates do not matter.
+/// The views of `parts`, without views that overlap an earlier one; their rates do not matter.
 pub fn mask_views(parts: &[Part], image: &RateImage) -> Views<'static> {
     let mut kept = Views::new();
     for view in views(parts, image, &[]) {
@@ -26,7 +26,7 @@ pub fn mask_views(parts: &[Part], image: &RateImage) -> Views<'static> {
     kept
 }
 
-/// The views that `parts` say, with the rates that there are.
+/// The views of `parts`, with the rates of their layers if `rates` has them.
 fn views<'a>(parts: &[Part], image: &RateImage, rates: &'a [u8]) -> impl Iterator<Item = MaskView<'a>> {
     let [x, y, width, height] = image.area;
     let len = image.tiles[0] as usize * image.tiles[1] as usize;

@@ -41,14 +41,14 @@ impl Way {
 
 /// The way of a pass.
 ///
-/// A template is taken where there can be one, as fragments then never begin. Else fragment shaders return early: where depth is
-/// tested or samples are counted, only such that change neither. An early fragment's colour is zero, blended with what was
-/// loaded or not; that lies in skipped blocks, all of which are filled after the pass, in each stored colour attachment, whatever
-/// earlier passes drew there: a block that is skipped is so in all passes to a target, until its mask is written anew between two
-/// submits. Later subpasses see zeros in skipped blocks alone, as they read their own pixel.
+/// A template is used if there can be one, as fragments then never begin. Else fragment shaders return early: where depth is tested or
+/// samples are counted, only shaders that change neither. An early fragment's colour is zero, blended with the loaded colour or not. It
+/// lies in skipped blocks, all of which are filled after the pass, in each stored colour attachment, regardless of earlier passes: a
+/// skipped block is skipped in all passes to a target, until its mask is written again between two submits. Later subpasses see zeros in
+/// skipped blocks alone, as they read their own pixel.
 ///
 /// # Errors
-/// As for [`eligible`], where no shader can return early; or what stands against that.
+/// As for [`eligible`], if no shader can return early; or the reason against that.
 pub fn way(facts: &MaskFacts) -> Result<Way, Unmasked> {
     let instead = match eligible(facts) {
         Ok(eligible) => return Ok(Way::Template(eligible)),

@@ -99,7 +99,7 @@ impl Compilation {
         self.has_ended.load(Ordering::Relaxed)
     }
 
-    /// Destroys the cache, which nobody compiles with any more.
+    /// Destroys the cache, which no compilation uses any more.
     pub(super) fn close(&self) {
         if let Some(Open { device, handle, .. }) = self.opened().take() {
             // SAFETY: `open`'s caller vouched for the device; the cache is destroyed once.

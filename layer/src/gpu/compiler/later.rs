@@ -8,8 +8,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 /// Makes something, with the compilation that its pipelines belong to.
 type Make<T> = Box<dyn FnOnce(&Arc<Compilation>) -> Result<T, GpuError> + Send>;
 
-/// Something that was asked for: it is there once it was made. Dropped before that, it is not made, and one that is being made is
-/// waited for.
+/// A requested object, available once it is made. If this is dropped earlier, the object is not made; if it is being made, the drop waits
+/// for it.
 pub(crate) struct Later<T> {
     slot: Arc<Slot<T>>,
     made: OnceLock<Arc<T>>,
@@ -29,7 +29,7 @@ enum State<T> {
     Asked(Make<T>),
     Making,
     Made(Arc<T>),
-    /// It could not be made, or nobody wants it any more.
+    /// It could not be made, or is not wanted any more.
     Never,
 }
 

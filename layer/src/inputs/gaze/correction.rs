@@ -221,7 +221,7 @@ impl CorrectionRequests {
         requests
     }
 
-    /// Begins and ends measurements, and takes over a correction that was stored or removed meanwhile, by whatever process.
+    /// Begins and ends measurements, and takes over a correction that was stored or removed meanwhile, by any process.
     pub fn poll(&mut self) -> CorrectionStatus {
         self.read();
         let asked = self.asked.look();

@@ -1,6 +1,6 @@
 //! Writes the gaze to a file, for a user who asked for that by the file's name.
 //!
-//! A thread of its own does the writing: frames never wait for a disk. What it cannot keep up with is left out.
+//! A thread of its own does the writing: frames never wait for a disk. Lines that it cannot keep up with are left out.
 
 use super::script::GazeLine;
 use glam::Vec3;
@@ -24,11 +24,11 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Begins one, in a new file that only this user may read.
+    /// Begins a recording, in a new file that only this user may read.
     ///
     /// # Errors
     ///
-    /// The file is there already, or cannot be made; or there can be no thread.
+    /// The file exists already, or cannot be created; or the thread cannot be started.
     pub fn create(path: &Path) -> std::io::Result<Self> {
         let file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(path)?;
         let (lines, waiting) = sync_channel(MOST_WAITING);
@@ -38,8 +38,8 @@ impl Recording {
         Ok(Self { lines: Some(lines), writer: Some(writer), newest: None })
     }
 
-    /// Adds where the eyes looked so many seconds after the first time; nothing where they were not seen. What is not newer
-    /// than the newest is known already.
+    /// Adds the direction of the gaze, `seconds` after the first time; `None` if the eyes were not tracked. A time that is not newer than
+    /// the newest is ignored.
     pub fn note(&mut self, seconds: f64, direction: Option<Vec3>) {
         if self.newest.is_some_and(|newest| seconds <= newest) {
             return;

@@ -1,8 +1,8 @@
 //! A gaze in a file: recorded, or written by hand.
 //!
-//! A line is `seconds,left,up`: degrees from the centre of the view to the left and upwards, in the space of the head. Seconds alone
-//! say that the eyes are not seen, until the next line. In between the gaze moves evenly; before the first line and after the
-//! last one it is as there. What begins with `#` is for people.
+//! A line is `seconds,left,up`: degrees from the centre of the view to the left and upwards, in the space of the head. Seconds alone mean
+//! that the eyes are not tracked until the next line. Between two lines the gaze moves evenly; before the first line and after the last one
+//! it is as in that line. Text after `#` is a comment.
 
 use super::{degrees, direction};
 use glam::Vec3;
@@ -18,14 +18,14 @@ pub struct GazeScript {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Line {
     seconds: f64,
-    /// To the left, upwards; nothing where the eyes are not seen.
+    /// To the left, upwards; `None` if the eyes are not tracked.
     degrees: Option<[f32; 2]>,
 }
 
 /// Why a text is no gaze.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GazeScriptError {
-    /// A line that says something else.
+    /// A line that cannot be parsed.
     #[error("line {0}: expected seconds, or seconds, degrees left and degrees up, separated by commas")]
     Line(usize),
     /// Times that go back.

@@ -44,8 +44,9 @@ pub struct ImageMemory {
 }
 
 impl AppImages {
-    /// Creates `count` images, with the application's usage and ours; for views of other formats if it asked for that,
-    /// as an imageless framebuffer names flags and formats of the images. Submits nothing: a swapchain is created where the queue is the application's alone.
+    /// Creates `count` images, with the application's usage and ours; for views of other formats if it asked for that, as an imageless
+    /// framebuffer names flags and formats of the images. Submits nothing: a swapchain is created while the queue is the application's
+    /// alone.
     ///
     /// One queue family at a time owns them, as it owns the runtime's images: an application that renders on a queue of another family than
     /// the session's gives them back before it releases them (XR_KHR_vulkan_enable2, "Swapchain Image State").
@@ -56,7 +57,7 @@ impl AppImages {
         Self::with_count(gpu, shape, |_| count)
     }
 
-    /// As [`Self::new`], as many as `count` says of the memory of one of them, at least one.
+    /// As [`Self::new`], with the number of images that `count` returns for the memory of one of them, at least one.
     ///
     /// # Errors
     /// As there.

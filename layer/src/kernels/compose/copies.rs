@@ -78,7 +78,7 @@ impl<'a> Copies<'a> {
         }
     }
 
-    /// A rectangle; the layers are those that it comes from and goes to.
+    /// Adds a rectangle, with its source and destination layers.
     fn add(&mut self, [from_layer, to_layer]: [u32; 2], from: vk::Offset2D, to: vk::Rect2D) {
         if to.extent.width == 0 || to.extent.height == 0 {
             return;

@@ -84,7 +84,7 @@ impl DepthSource {
         Ok(Self { uses: Uses::new(gpu), images, kept, serial: serial() })
     }
 
-    /// Copies the depth of an image that the application has written, and returns next; says which copy that is, counted from 1.
+    /// Copies the depth of an image that the application has written, and releases next. Returns the number of the copy, from 1.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] for an index out of range, [`GpuError::Timeout`] when earlier submits hang; a failed call.

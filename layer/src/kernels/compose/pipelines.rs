@@ -43,8 +43,8 @@ pub(super) struct ReusePipelines {
     pub(super) mixed: [Arc<TilePipeline>; 2],
     /// The same where the head has moved, by depth.
     pub(super) moved: [Arc<TilePipeline>; 2],
-    /// Edges of fresh tiles, blended with an earlier picture beside stale ones, and the same where the head has moved; nothing where
-    /// the format cannot be blended.
+    /// Edges of fresh tiles, blended with an earlier picture beside stale ones, and the same where the head has moved; `None` if the format
+    /// cannot be blended.
     pub(super) borders: Option<Borders>,
 }
 

@@ -5,7 +5,7 @@ use ash::vk;
 /// Properties of a swapchain's images. They have one sample, one mip level and no faces.
 #[derive(Clone, Debug)]
 pub struct SwapchainShape {
-    /// Format of the swapchain; the runtime takes the written texels as this, whatever views are used.
+    /// Format of the swapchain; the runtime takes the written texels as this, regardless of the views in use.
     pub format: vk::Format,
     /// Size in pixels.
     pub extent: vk::Extent2D,

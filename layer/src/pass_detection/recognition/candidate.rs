@@ -16,8 +16,8 @@ const ROUNDING: f32 = 8.0;
 /// The parts of a pass that has the aspect of an eye buffer (a single one, two beside each other, an array of two) and
 /// is about as large.
 ///
-/// The vertical orientation is not known from this. The eye is known only with multiview, whose views are those of OpenXR, and for
-/// pictures beside each other that are shown so too.
+/// The vertical orientation is not known from this. The eye is known only with multiview, whose views have OpenXR's order, and for pictures
+/// beside each other that are also shown beside each other.
 pub(super) fn looks(
     pass: &Pass,
     description: impl Fn(ImageKey) -> Option<ImageDescription>,

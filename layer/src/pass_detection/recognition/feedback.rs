@@ -150,7 +150,7 @@ impl EyePicture {
     }
 }
 
-/// Whether an event copies what earlier transfers of the frame copied from an image that a pass draws, as far as is known.
+/// Whether an event copies content that earlier transfers of the frame copied from an image drawn by a pass, as far as is known.
 fn copies_drawn(events: &[Event], index: usize, memory: &Memory) -> bool {
     let Event::Transfer(last) = &events[index] else { return false };
     let mut image = last.from.image;

@@ -6,7 +6,7 @@ use crate::status::Topic;
 use smallvec::SmallVec;
 use std::fmt;
 
-/// Most lines: images made anew at every size of dynamic resolution would fill the log.
+/// Most lines: images recreated at every size of dynamic resolution would fill the log.
 const MOST_LINES: usize = 100;
 
 /// The listed verdicts.

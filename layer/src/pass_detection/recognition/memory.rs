@@ -237,7 +237,8 @@ impl Memory {
         roles.add(frame, has_depth, role);
     }
 
-    /// Role of pass number `ordinal`, from 0, among the passes with depth, or without, of an image in this frame, as far as earlier frames tell.
+    /// Role of pass number `ordinal`, from 0, among the passes with depth, or without, of an image in this frame, by the evidence of
+    /// earlier frames.
     pub(super) fn role(&self, frame: u64, image: &ImageDescription, has_depth: bool, ordinal: usize) -> Role {
         let roles = match image.swapchain {
             Some(swapchain) => self.of_swapchains.get(&swapchain),
@@ -251,7 +252,7 @@ impl Memory {
         self.images.get(&image)?.eye_picture
     }
 
-    /// Takes what an image holds now: a picture of an eye, or None for anything else.
+    /// Sets the current content of an image: a picture of an eye, or `None` for anything else.
     pub(super) fn set_eye_picture(&mut self, image: ImageKey, picture: Option<EyePicture>) {
         if let Some(image) = self.images.get_mut(&image) {
             image.eye_picture = picture;

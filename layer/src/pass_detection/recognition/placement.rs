@@ -92,8 +92,8 @@ pub(super) fn add(placements: &mut Placements, new: Placement) {
     }
 }
 
-/// The placements that a pass draws into `target`, in its render area. `areas` are those of the passes that drew what
-/// the placements were seen in: the picture follows the render area where that is resized.
+/// The placements that a pass draws into `target`, in its render area. `areas` are the render areas of the passes that drew the shown
+/// images of the placements: the picture follows the render area if that is resized.
 pub(super) fn parts(placements: &[Placement], areas: &[[u32; 4]], target: &Target, area: [u32; 4]) -> Parts {
     let reference = if areas.contains(&area) { None } else { resized_from(placements, areas, area) };
     let area = reference.unwrap_or(area);

@@ -17,7 +17,7 @@ pub(super) struct Swapchains {
 #[derive(Debug)]
 struct Swapchain {
     key: SwapchainKey,
-    /// When it was last shown, in whatever way.
+    /// Frame in which it was last shown, in any way.
     at: u64,
     /// The pictures of eyes in its images.
     placements: Placements,
@@ -106,8 +106,8 @@ impl Swapchains {
         target.level == 0 && self.placements(key).iter().any(|placement| within(placement.layer))
     }
 
-    /// All pictures of eyes, and whether they fill the render area: where the viewport is smaller, so it may be in the passes
-    /// before, and nobody knows where.
+    /// All pictures of eyes, and whether they fill the render area: if the viewport is smaller, it may be so in the passes before, at an
+    /// unknown place.
     pub(super) fn pictures(&self) -> impl Iterator<Item = (&Placement, bool)> {
         self.known.iter().flat_map(|swapchain| {
             let is_filled = swapchain.is_filled();
@@ -138,7 +138,7 @@ impl Swapchains {
             .any(|placements| placements.iter().any(|a| placements.iter().any(|b| are_beside(a, b))))
     }
 
-    /// Forgets those that were not shown for long.
+    /// Forgets swapchains that were not shown for long.
     pub(super) fn forget(&mut self, frame: u64) {
         self.known.retain(|swapchain| frame < swapchain.at + FORGOTTEN_AFTER);
     }

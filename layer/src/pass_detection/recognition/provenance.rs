@@ -1,8 +1,8 @@
 //! Provenance: from the picture that is shown back to the passes that draw it.
 //!
-//! Content is followed, not looks: through full-screen passes to their reads, through transfers to their sources, to the cameras,
-//! passes that draw many things. What a camera samples is a texture, whatever it looks like, and so is all that only feeds it. Where nobody
-//! knows what is read (descriptors that are not followed, compute), the eye's cameras must be the only ones that could be: else none is
+//! Content is followed, not looks: through full-screen passes to their reads, through transfers to their sources, to the cameras, passes
+//! that draw many things. An image that a camera samples is a texture, regardless of its looks, and so are all images that only feed it. If
+//! the reads are not known (descriptors that are not followed, compute), the eye's cameras must be the only possible ones: else none is
 //! taken.
 
 mod content;
@@ -22,10 +22,10 @@ use kind::Kind;
 use remembered::Remembered;
 use smallvec::SmallVec;
 
-/// The role of a pass, as far as a frame tells.
+/// The role of a pass, by the evidence of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(super) enum Role {
-    /// Nothing tells.
+    /// There is no evidence.
     #[default]
     Unknown,
     /// Its content becomes the picture of an eye, and it shades.
@@ -111,8 +111,8 @@ pub(super) struct Findings {
 }
 
 impl Provenance {
-    /// Finds the roles of a frame's passes for [`Self::role`]. Where `is_apart`, passes after the last reader were submitted for the next
-    /// frame: that reader shows those of the frame before.
+    /// Finds the roles of a frame's passes for [`Self::role`]. If `is_apart`, passes after the last reader were submitted for the next
+    /// frame: that reader shows the passes of the frame before.
     ///
     /// A frame of the structure of one of the last has its roles, and is not walked through.
     pub(super) fn learn(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Findings {
@@ -310,7 +310,7 @@ impl Provenance {
             })
     }
 
-    /// Of the groups that a full-screen pass reads by these images, those that it shows.
+    /// Reduces the groups that a full-screen pass reads by these images to the one that it shows.
     fn select(
         &mut self,
         sources: &mut Sources,

@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 /// Passes that draw an image in a frame, of which roles are kept.
 const MOST: usize = 8;
 
-/// So many frames an image that also was a texture must be drawn in the same order, before its passes are told apart by that.
+/// Number of frames in which an image that also was a texture must be drawn in the same order, before its passes are distinguished by that.
 const STEADY: u64 = 4;
 
 /// Roles of the passes of an image. Passes with depth shade, and passes without mostly pass a picture on, so that each kind has a sequence.
@@ -23,13 +23,13 @@ pub(super) struct Roles {
 /// Roles of the passes of an image that all have depth, or all have none, frame by frame.
 #[derive(Debug, Default)]
 struct Sequence {
-    /// Of the newest frame that told anything.
+    /// Roles in the newest frame with evidence.
     newest: SmallVec<[Role; MOST]>,
-    /// Of the frame before that.
+    /// Roles in the frame with evidence before that.
     before: SmallVec<[Role; MOST]>,
     /// The frame of `newest`.
     at: u64,
-    /// Since when frames told the same.
+    /// First frame since which the roles are the same.
     same_since: u64,
 }
 
@@ -45,7 +45,7 @@ impl Roles {
         }
     }
 
-    /// The last frame that told anything.
+    /// The last frame with evidence.
     pub(super) fn at(&self) -> u64 {
         self.with_depth.at.max(self.without_depth.at)
     }

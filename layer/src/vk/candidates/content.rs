@@ -5,7 +5,7 @@ use ash::vk;
 use parafovea_core::reuse::StaleTiles;
 use smallvec::SmallVec;
 
-/// So many rectangles of one target are told apart in a frame; with more, all is 1x1.
+/// Most rectangles of one target that are distinguished in a frame; with more, all is 1x1.
 const MOST_USES: usize = 8;
 
 /// Parts of the target that show an eye, as fractions of `area`.
@@ -53,7 +53,7 @@ struct Use {
     frame: u64,
     /// The render area: x, y, width, height in pixels.
     area: [u32; 4],
-    /// The shown parts; empty where they are unknown.
+    /// The shown parts; empty if they are unknown.
     parts: Parts,
 }
 

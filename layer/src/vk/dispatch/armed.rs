@@ -32,7 +32,7 @@ macro_rules! armed_hooks {
 
 armed_functions!(armed_hooks);
 
-/// Our hook for a function of an armed device with that table; `None` where the device lacks the function.
+/// Our hook for a function of an armed device with that table; `None` if the device lacks the function.
 pub fn hook_of(table: &ArmedTable, name: &CStr) -> vk::PFN_vkVoidFunction {
     if table.lacks(name) { None } else { armed_hook(name) }
 }
@@ -41,7 +41,7 @@ pub fn hook_of(table: &ArmedTable, name: &CStr) -> vk::PFN_vkVoidFunction {
 mod tests {
     use super::*;
 
-    /// A command that binds descriptors and goes past us is one that nobody sets again after work of ours.
+    /// A command that binds descriptors past our hooks leaves bindings that are not restored after our work.
     #[test]
     fn descriptors_are_followed_by_the_names_of_every_version() {
         for name in [

@@ -1,7 +1,6 @@
 //! Function lookup for the loader and the layers above: finds our functions and, through us, those below.
 //!
-//! A hook of ours is given out only where the next layer has the function too: what the driver lacks stays
-//! missing.
+//! A hook of ours is given out only if the next layer has the function too: a function that the driver lacks stays missing.
 
 use crate::abi::guard;
 use crate::link::GET_LINK_NAME;

@@ -49,7 +49,7 @@ pub unsafe extern "system" fn enumerate_device_layers(
     unsafe { enumerate_instance_layers(count, properties) }
 }
 
-/// `vkEnumerateInstanceExtensionProperties`: none of ours, and no answer for anybody else.
+/// `vkEnumerateInstanceExtensionProperties`: none of ours, and an error for other layers.
 ///
 /// # Safety
 ///

@@ -5,7 +5,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// The plan of the frame under way, until a thread needed it.
+/// The plan of the current frame, until a thread needed it.
 #[derive(Default)]
 pub struct Awaited {
     plan: Mutex<Record>,
@@ -19,14 +19,14 @@ struct Record(AwaitedPlan);
 unsafe impl Send for Record {}
 
 impl Awaited {
-    /// Takes the plan of a frame, or, without a function, withdraws the last one: after that nobody is in a call of it.
+    /// Takes the plan of a frame, or, without a function, withdraws the last one: after that no thread is in a call of it.
     pub fn set(&self, plan: &AwaitedPlan) {
         let mut kept = self.plan.lock().unwrap_or_else(PoisonError::into_inner);
         *kept = Record(*plan);
         self.is_set.store(plan.finish.is_some(), Ordering::Release);
     }
 
-    /// Returns when the plan of the frame is there. No lock of a frame is held by the caller: the plan is told within.
+    /// Returns when the plan of the frame is ready. The caller holds no lock of a frame: the plan arrives within the call.
     pub fn finish(&self) {
         if !self.is_set.load(Ordering::Acquire) {
             return;

@@ -24,15 +24,15 @@ pub struct Log {
     notes: Notes,
     recognition: Recognition,
     rest: Rest,
-    /// Whether passes were submitted in the frame under way whose commands were not tracked.
+    /// Whether passes were submitted in the current frame whose commands were not tracked.
     is_incomplete: bool,
-    /// Passes that got the plan's rates, in the frame under way and in the last.
+    /// Passes that got the plan's rates, in the current frame and in the last.
     with_rates: [u32; 2],
-    /// Passes that were recognised as an eye's picture, in the frame under way.
+    /// Passes that were recognised as an eye's picture, in the current frame.
     eye_passes: EyePasses,
     /// [`EyePasses::number`] of the last frame.
     last_eye_passes: u32,
-    /// Tiles that maps left out of each eye's picture, in the frame under way and in the last.
+    /// Tiles that maps left out of each eye's picture, in the current frame and in the last.
     left_out: [[StaleTiles; 2]; 2],
 }
 
@@ -42,12 +42,12 @@ impl Log {
         self.recognition.set_rules(rules);
     }
 
-    /// Takes whether the gates rest from the frame under way on.
+    /// Takes whether the gates rest from the current frame on.
     pub fn set_resting(&mut self, rests: bool) {
         self.rest.set(rests, self.frame);
     }
 
-    /// Whether the passes of the frame under way are noted.
+    /// Whether the passes of the current frame are noted.
     pub fn follows(&self) -> bool {
         self.rest.follows(self.frame) || self.notes.is_wanted()
     }
@@ -57,12 +57,12 @@ impl Log {
         !self.notes.is_wanted() && (0..=AHEAD).all(|ahead| !self.rest.follows(self.frame + ahead))
     }
 
-    /// Frames from the one under way on in which [`Self::rests`] holds.
+    /// Frames from the current one on in which [`Self::rests`] holds.
     pub fn unfollowed(&self) -> u32 {
         if self.notes.is_wanted() { 0 } else { self.rest.unfollowed(self.frame).saturating_sub(AHEAD) as u32 }
     }
 
-    /// So many frames have gone by in which nobody followed the passes.
+    /// Skips frames whose passes were not followed.
     pub fn skip(&mut self, frames: u32) {
         self.frame += u64::from(frames);
     }
@@ -72,7 +72,7 @@ impl Log {
         self.is_incomplete = true;
     }
 
-    /// Number of the frame under way.
+    /// Number of the current frame.
     pub fn frame(&self) -> u64 {
         self.frame
     }
@@ -116,7 +116,7 @@ impl Log {
         self.left_out[1].get(eye)
     }
 
-    /// Takes a submitted event. Says of a pass what it is, where it draws to a candidate or tests ask for that.
+    /// Takes a submitted event. Returns the verdict on a pass that draws to a candidate; on any pass if tests ask for that.
     pub fn push<C: MapContent>(
         &mut self,
         objects: &Objects,
@@ -142,7 +142,7 @@ impl Log {
         self.recognition.of(pass, &self.events, |key| objects.describe(key))
     }
 
-    /// Whether recognition learns from the frame under way.
+    /// Whether recognition learns from the current frame.
     pub fn learns(&self) -> bool {
         !self.is_incomplete && (self.rest.learns(self.frame) || self.notes.is_wanted())
     }

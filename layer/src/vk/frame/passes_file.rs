@@ -6,12 +6,11 @@
 //! `{"frame":0,"index":0,"extent":[w,h],"area":[w,h],"layers":1,"samples":1,"format":"R8G8B8A8_SRGB","eyes":"left","why":"...",`
 //! `"unmasked":"...","map":{"texel":[w,h],"tiles":[columns,rows,layers],"rates":"..."}}`
 //!
-//! Frames count a device's xrEndFrame calls within a session from 0, indices the passes in the order of their submits.
-//! `extent`, `samples` and `format` are those of the first colour attachment, or of depth where there is none; `area` is the
-//! size of the render area, `layers` the number of views of multiview, else 1; `eyes` is left, right, both or none;
-//! `unmasked` says why it was recorded without a mask, and is null where it has one, or where the device masks nothing. `map`
-//! is the map of the pass's candidate as it was at the end of the frame, where there is one: `rates` has two hexadecimal
-//! digits a texel, layer by layer, row by row.
+//! Frames count a device's xrEndFrame calls within a session from 0, indices the passes in the order of their submits. `extent`, `samples`
+//! and `format` are of the first colour attachment, or of depth if there is none; `area` is the size of the render area, `layers` the number
+//! of views of multiview, else 1; `eyes` is left, right, both or none; `unmasked` is the reason for recording it without a mask, null if it
+//! has one, or if the device masks nothing. `map` is the map of the pass's candidate at the end of the frame, if any: `rates` has two
+//! hexadecimal digits a texel, layer by layer, row by row.
 
 use super::MapContent;
 use crate::backend::MapSize;

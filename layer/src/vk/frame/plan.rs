@@ -51,12 +51,12 @@ impl Plan {
         self.received
     }
 
-    /// The parameters of the decision on the rates of an eye; `None` where its rates are those of the plan.
+    /// The parameters of the decision on the rates of an eye; `None` if its rates are the plan's.
     pub fn decision(&self, eye: usize) -> Option<&Decision> {
         self.decisions[eye].as_ref()
     }
 
-    /// The rates of both eyes are decided anew on the GPU.
+    /// Notes that the GPU decides the rates of both eyes again.
     pub fn decided(&mut self) {
         self.serial += 1;
         self.decisions.iter_mut().flatten().for_each(|decision| decision.coarsening = 0);

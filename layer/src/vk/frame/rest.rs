@@ -1,6 +1,6 @@
 //! Selection of the frames whose passes are followed while the gates rest: no technique is on, and no trial is near.
 
-/// Frames from one sample to the next, of a device that rests: about three seconds. The gate takes ten to tell that the scene is another.
+/// Frames from one sample to the next, of a device that rests: about three seconds. The gate takes ten to detect another scene.
 const PERIOD: u64 = 270;
 
 /// Followed frames of a sample: as many as recognition needs for a new graph of passes, and one more, the first, some of whose passes may
@@ -39,7 +39,7 @@ impl Rest {
         self.in_sample(frame).is_none_or(|place| (1..SAMPLE).contains(&place))
     }
 
-    /// Frames since the last sample began. None for frames outside of samples that are followed all the same.
+    /// Frames since the last sample began. None for frames outside of samples that are still followed.
     fn in_sample(self, frame: u64) -> Option<u64> {
         let rested = frame.saturating_sub(self.since?);
         (frame >= SETTLING && rested >= SAMPLE).then_some(rested % PERIOD)

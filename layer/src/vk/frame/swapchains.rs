@@ -10,7 +10,7 @@ pub struct Swapchains {
 }
 
 impl Swapchains {
-    /// Takes the images of a swapchain, or, without any, forgets it; returns those that it had.
+    /// Takes the images of a swapchain, or, without any, forgets it; returns its former images.
     pub fn take(&mut self, swapchain: SwapchainKey, images: &[vk::Image]) -> Vec<vk::Image> {
         let known = self.live.iter().position(|(known, _)| *known == swapchain);
         let former = known.map(|index| self.live.swap_remove(index).1);

@@ -77,7 +77,7 @@ pub unsafe extern "system" fn update(
     );
 }
 
-/// `vkUpdateDescriptorSetWithTemplate`, whose data only the template tells.
+/// `vkUpdateDescriptorSetWithTemplate`, whose data only the template describes.
 ///
 /// # Safety
 ///

@@ -54,7 +54,7 @@ pub unsafe extern "system" fn create(
     )
 }
 
-/// Creates a device and tracks it, armed where that is `wanted` and the instance is enabled. Says in which state it is.
+/// Creates a device and tracks it, armed if that is `wanted` and the instance is enabled. Returns its state, too.
 ///
 /// # Safety
 ///
@@ -160,7 +160,7 @@ impl Below<'_> {
     }
 }
 
-/// Begins to track a device, and says in which state.
+/// Begins to track a device, and returns its state.
 ///
 /// # Safety
 ///

@@ -67,7 +67,7 @@ pub unsafe extern "system" fn destroy(
     });
 }
 
-/// `vkGetDeviceImageMemoryRequirements`: those of an image as it would be created here.
+/// `vkGetDeviceImageMemoryRequirements`, for an image as it would be created here.
 ///
 /// # Safety
 ///

@@ -48,7 +48,7 @@ pub unsafe extern "system" fn create(
     )
 }
 
-/// Creates an instance, whose devices are armed where `enabled` says so, and tracks it.
+/// Creates an instance and tracks it; its devices are armed if it is `enabled`.
 ///
 /// # Safety
 ///

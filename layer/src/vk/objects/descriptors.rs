@@ -1,6 +1,6 @@
 //! Descriptor sets, as far as draws may read attachments by them.
 //!
-//! Engines write thousands of descriptors a frame, and hardly one of them names an attachment. Filters tell that of most of them without a
+//! Engines write thousands of descriptors a frame, and hardly one of them names an attachment. Filters rule out most of them without a
 //! look-up.
 
 use super::{Objects, View};
@@ -36,8 +36,8 @@ struct Held {
     is_open: bool,
 }
 
-/// So many sets with attachments are kept. Nobody tells which sets go with their pool: where an application makes ever more, all sets are
-/// unknown from then on.
+/// Most sets with attachments that are kept. The sets that go with their pool are not reported: if an application makes ever more, all sets
+/// are unknown from then on.
 const MOST_SETS: usize = 1 << 16;
 
 /// Least length of an array of all textures, of which unknown elements are read.

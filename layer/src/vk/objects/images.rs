@@ -16,7 +16,7 @@ pub struct Image {
     pub usage: vk::ImageUsageFlags,
     /// Its usage, which may be more.
     pub granted: vk::ImageUsageFlags,
-    /// Whether it was not made through this layer, so that nobody tells when it is destroyed but its swapchain.
+    /// Whether it was not made through this layer: only the end of its swapchain reveals its destruction.
     pub is_foreign: bool,
 }
 

@@ -24,12 +24,12 @@ const COPIES: Scope = Scope {
 };
 
 impl Perception {
-    /// Copies the last decided rates of an eye, where they are; the outcome, as [`crate::link`] numbers it. The caller orders what reads
-    /// the copy.
+    /// Copies the last decided rates of an eye, if any; returns the outcome, as numbered by [`crate::link`]. The caller orders reads of the
+    /// copy.
     ///
     /// # Safety
     ///
-    /// As [`RatesCopyRecord`] says: this thread may use the queue, and the buffer is live and large enough.
+    /// As [`RatesCopyRecord`] demands: this thread may use the queue, and the buffer is live and large enough.
     pub unsafe fn copy_rates(&self, own: Option<Submitter<'_>>, record: &RatesCopyRecord) -> u32 {
         let found = {
             let state = self.state();

@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub struct Eye {
     /// Its tiles.
     pub tiles: Arc<EyeTiles>,
-    /// The picture that was analysed last; nothing where contrast is not known.
+    /// The picture that was analysed last; `None` if contrast is not known.
     pub measured: Option<Measured>,
 }
 
@@ -23,7 +23,7 @@ pub struct Eye {
 pub struct Measured {
     /// The view that it shows.
     pub view: View,
-    /// Number of the plan by then.
+    /// Number of the plan at that time.
     pub received: u64,
     /// The parameters of its analysis.
     pub by: Parameters,
@@ -73,7 +73,7 @@ pub struct EyeTiles {
 }
 
 impl EyeTiles {
-    /// Of so many columns and rows, of which nothing is known, of pictures of so many pixels.
+    /// Of that many columns and rows, with nothing known, of pictures of that many pixels.
     ///
     /// # Errors
     /// A failed call, or more tiles or pixels than the device takes.

@@ -10,7 +10,7 @@ use parafovea_core::color::Matrix;
 use parafovea_core::kernels::analyze::{Aggregation, ContrastSettings};
 use std::sync::Arc;
 
-/// An application with more images than this begins anew.
+/// Most images of an application; with more, the list is emptied.
 const MOST: usize = 64;
 
 /// The pictures of a session.

@@ -26,7 +26,7 @@ pub struct ResolvedMap {
     shapes: Shapes,
     leaves_out: bool,
     eyes: [Arc<EyeTiles>; 2],
-    /// Nothing where it cannot be resolved.
+    /// `None` if it cannot be resolved.
     targets: Option<Targets>,
 }
 
@@ -87,7 +87,7 @@ impl ResolvedMap {
     }
 }
 
-/// The targets that resolve a map; `None` where an eye that it shows has tiles and none of them are decided.
+/// The targets that resolve a map; `None` if an eye that it shows has tiles and none of them are decided.
 fn targets(
     (frame, rates): (&Frame, &DeviceRates),
     tools: &Tools,
@@ -116,13 +116,12 @@ fn targets(
 }
 
 impl Perception {
-    /// Records the resolve of a candidate's map from the last decision; nothing is recorded where the plan's own rates hold. `resolved` is the
-    /// state of an earlier call, made anew where that was for another map.
+    /// Records the resolve of a candidate's map from the last decision; nothing is recorded if the plan's own rates hold. `resolved` is the
+    /// state of an earlier call, made again if that was for another map.
     ///
     /// # Safety
     ///
-    /// The command buffer is being recorded, outside of a render pass, for that queue; what is added to `kept` lives until it has
-    /// finished.
+    /// The command buffer is being recorded, outside of a render pass, for that queue; objects added to `kept` live until it has finished.
     pub unsafe fn resolve(
         &self,
         (frame, rates): (&Frame, &DeviceRates),

@@ -21,7 +21,7 @@ pub struct Slot {
     pub texels: Vec<u8>,
     /// Memory for stale tiles.
     pub words: Vec<u32>,
-    /// Objects in use by the command buffer while it is under way.
+    /// Objects in use by the command buffer while it is pending.
     kept: Kept,
     timer: Timer,
     /// The kind of the recorded work.

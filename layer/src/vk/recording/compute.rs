@@ -56,7 +56,7 @@ impl Bound {
     ///
     /// # Safety
     ///
-    /// `commands` is recording, and this is what it had bound.
+    /// `commands` is recording, and this was its bound state.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         let point = vk::PipelineBindPoint::COMPUTE;
         // SAFETY: the command buffer is recording, as `# Safety` demands; what was bound stays valid as long as that does.
@@ -78,8 +78,8 @@ impl Bound {
 
 /// The next layer's vkCmdBindDescriptorSets of one device, found without a lock: engines call that for every draw.
 ///
-/// It changes only while that device is made or destroyed, when no command buffer of it is recorded (external synchronization
-/// of vkDestroyDevice), so that both words belong together for whoever finds the key of his own.
+/// It changes only while that device is made or destroyed, when no command buffer of it is recorded (external synchronization of
+/// vkDestroyDevice), so that both words belong together for a thread that finds its own device's key.
 struct QuickBind {
     /// 0: of none.
     key: AtomicUsize,
@@ -237,7 +237,7 @@ pub unsafe extern "system" fn bind_sets2(
     });
 }
 
-/// Whether a bind point is that of compute, and of drawing.
+/// Whether a bind point is for compute, and for drawing.
 fn at(point: vk::PipelineBindPoint) -> [bool; 2] {
     [vk::PipelineBindPoint::COMPUTE, vk::PipelineBindPoint::GRAPHICS].map(|known| known == point)
 }

@@ -1,9 +1,9 @@
-//! Bound graphics state and its substitutes: in a pass whose fragment shaders return early, a pipeline of ours for each of the
-//! application's, and a set behind those of its layout.
+//! Bound graphics state and its substitutes: in a pass whose fragment shaders return early, a pipeline of ours for each of the application's,
+//! and a set behind the sets of its layout.
 //!
-//! That set is bound anew whenever the application binds sets, as that may disturb it. It may itself disturb sets of higher numbers,
-//! or those of another layout, so that what the application has bound is bound again before another layout counts, and after the
-//! pass. Both pipelines have the same state, dynamic or not, and the same push constants.
+//! That set is bound again whenever the application binds sets, as that may disturb it. It may itself disturb sets of higher numbers, or of
+//! another layout, so the application's sets are bound again before another layout counts, and after the pass. Both pipelines have the same
+//! state, dynamic or not, and the same push constants.
 
 use super::sets::BoundSets;
 use super::{Buffer, with_buffer};
@@ -104,11 +104,11 @@ impl Drawing {
 }
 
 impl Bound {
-    /// Binds it again, with the next layer's functions: state that a pipeline has not as dynamic counts from when it is bound.
+    /// Binds it again, with the next layer's functions: state that is not dynamic in a pipeline counts from its binding on.
     ///
     /// # Safety
     ///
-    /// `commands` is recording, outside of a render pass, and this is what it had bound.
+    /// `commands` is recording, outside of a render pass, and this was its bound state.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         // SAFETY: the command buffer is recording, as `# Safety` demands; what was bound stays valid as long as that does.
         unsafe {

@@ -1,7 +1,7 @@
-//! Draws, counted by pass, and the attachments that they may read: the evidence that tells the scene from full-screen passes and from textures.
+//! Draws, counted by pass, and the attachments that they may read: the evidence that distinguishes the scene from full-screen passes and textures.
 //!
 //! Engines draw ten thousand times a frame, so the counts of the pass that a thread records are the thread's own: a draw adds to them
-//! without a lock or a look-up. They go to the command buffer where the pass ends, and where the thread goes on with another.
+//! without a lock or a look-up. They go to the command buffer where the pass ends, and where the thread continues another.
 
 mod hooks;
 mod quick;
@@ -55,12 +55,12 @@ pub struct Tally {
     reads: [Reads; 2],
     /// The thread that counts; 0: none yet.
     thread: usize,
-    /// Whether draws were counted on several threads, some of which nobody finds again.
+    /// Whether draws were counted on several threads, and some counts are lost.
     is_lost: bool,
 }
 
 impl Tally {
-    /// Adds those of a secondary command buffer.
+    /// Adds the draws of a secondary command buffer.
     pub fn execute(&mut self, secondary: &Self) {
         self.counts.add(secondary.counts);
         self.is_lost |= secondary.is_lost;
@@ -69,7 +69,7 @@ impl Tally {
         }
     }
 
-    /// All of a pass that ends; `None` where some are lost.
+    /// All of a pass that ends; `None` if some are lost.
     pub fn finish(&mut self) -> Option<Draws> {
         let Self { counts, reads, is_lost, .. } = std::mem::take(self);
         let Counts { quads, meshes, vertices } = counts;
@@ -94,7 +94,7 @@ struct Open {
     is_unknown: Cell<bool>,
     /// Whether any of that is bound.
     may_read: Cell<bool>,
-    /// Whether the bound sets were told as read by quads, and by other draws.
+    /// Whether the bound sets were noted as read by quads, and by other draws.
     told: [Cell<bool>; 2],
 }
 
@@ -145,7 +145,7 @@ impl Open {
 enum Counted {
     /// The draw is counted, or is not to be.
     Done,
-    /// The bound sets have to be told first.
+    /// The reads of the bound sets have to be noted first.
     Untold,
     /// The thread records no pass of that command buffer.
     Elsewhere,
@@ -170,7 +170,7 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
     OPEN.try_with(add).unwrap_or(Counted::Elsewhere)
 }
 
-/// Tells the reads of draws of a kind by the bound sets.
+/// Notes the bound sets as read by a kind of draws.
 fn add_reads(of: &Buffer, more: Counts) {
     let _ = OPEN.try_with(|open| {
         let kind = usize::from(more.meshes > 0);
@@ -190,7 +190,7 @@ pub fn recording_begins(handle: vk::CommandBuffer) {
     let _ = OPEN.try_with(|open| open.forget_bound(handle.as_raw(), !is_followed));
 }
 
-/// Recording of a command buffer begins whose commands are not tracked: its draws are counted for nobody.
+/// Begins the recording of a command buffer whose commands are not tracked: its draws count for no pass.
 pub fn untracked_begins(handle: vk::CommandBuffer) {
     let raw = handle.as_raw();
     let took = OPEN.try_with(|open| {
@@ -258,7 +258,7 @@ pub fn bind_unknown(handle: vk::CommandBuffer) {
     });
 }
 
-/// This thread goes on with the pass of a command buffer, or begins it.
+/// This thread continues the pass of a command buffer, or begins it.
 fn take_up(of: &Buffer, handle: vk::CommandBuffer, begins: bool) {
     let raw = handle.as_raw();
     let took = OPEN.try_with(|open| {

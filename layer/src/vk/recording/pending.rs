@@ -74,8 +74,8 @@ impl Buffer {
         unsafe { self.fill_where(handle, ends) };
     }
 
-    /// A pass begins that has these attachments, with this mask if it has a template: fills of its targets go on waiting where they are the
-    /// mask's own, and those of depth that it clears throughout are void.
+    /// Settles fills as a pass with these attachments begins, with this mask if it has a template: fills of its targets stay pending if they
+    /// are of the same mask, and fills of depth that it clears throughout are void.
     ///
     /// # Safety
     ///
@@ -216,7 +216,7 @@ pub(super) fn barriers<'a>(
 ///
 /// # Safety
 ///
-/// As many barriers of images are there as it says.
+/// `info` has as many image barriers as its count.
 pub(super) unsafe fn barriers2<'a>(
     info: &'a vk::DependencyInfo<'_>,
 ) -> impl Iterator<Item = (vk::Image, vk::ImageLayout, [u32; 2])> + Clone + 'a {

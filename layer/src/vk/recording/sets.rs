@@ -64,7 +64,7 @@ impl BoundSets {
     ///
     /// # Safety
     ///
-    /// `commands` is recording, and this is what it had bound at that point.
+    /// `commands` is recording, and these were its bound sets at that point.
     pub unsafe fn restore(
         &self,
         next: &ArmedTable,

@@ -1,7 +1,7 @@
 //! Whether draws of a pass write stencil, where commands set that instead of pipelines, as translators of Direct3D do.
 //!
-//! State counts where something is drawn with it. Draws are too many to look at each: where state is about to change, the counts of the
-//! pass tell whether it drew.
+//! State counts if something is drawn with it. Draws are too many to look at each: when state is about to change, the counts of the pass show
+//! whether it drew.
 
 use super::{Buffer, Recorded, draws, with_buffer};
 use crate::backend::mask::PipelineFacts;

@@ -1,4 +1,4 @@
-//! Command buffers whose commands are not tracked: recorded while the gates rest, in frames whose passes nobody follows.
+//! Command buffers whose commands are not tracked: recorded while the gates rest, in frames whose passes are not followed.
 //!
 //! A mask is recorded with its pass and serves all submits of the recording. So commands go untracked only where each recording is submitted
 //! once. Engines draw ten thousand times a frame: the thread that records such a command buffer knows it without a lock or a look-up.
@@ -16,7 +16,7 @@ static EPOCH: AtomicU64 = AtomicU64::new(1);
 
 thread_local! {
     /// The last two untracked command buffers that this thread began, newest first, each with the epoch of that; 0: none. One of the
-    /// application's may be under way beside one of the runtime's.
+    /// application's may be in progress beside one of the runtime's.
     static HERE: Cell<[(u64, u64); 2]> = const { Cell::new([(0, 0); 2]) };
 }
 

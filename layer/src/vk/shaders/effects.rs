@@ -85,7 +85,7 @@ impl Effects {
 pub struct FragmentShaders(SmallVec<[(Box<str>, Effects); 1]>);
 
 impl FragmentShaders {
-    /// Reads a module; `None` where it is not one that is understood.
+    /// Reads a module; `None` if it is not one that can be parsed.
     pub fn read(words: &[u32]) -> Option<Self> {
         let module = Module::read(words)?;
         let shaders = module.entry_points.iter().map(|entry| (entry.name.clone(), module.effects(entry)));
@@ -170,7 +170,7 @@ impl Module {
         Some(module)
     }
 
-    /// Takes an instruction's operands; `None` where there are too few.
+    /// Takes an instruction's operands; `None` if there are too few.
     fn instruction(&mut self, op: u32, operands: &[u32], function: &mut Option<u32>) -> Option<()> {
         let operand = |index: usize| operands.get(index).copied();
         match op {

@@ -57,7 +57,7 @@ enum Value {
 }
 
 impl Flow {
-    /// Reads a module; `None` where it has no specialisation constants, is not understood, or is too large.
+    /// Reads a module; `None` if it has no specialisation constants, cannot be parsed, or is too large.
     pub fn read(words: &[u32]) -> Option<Self> {
         let mut reader = Reader::default();
         for found in spirv::instructions(words)? {
@@ -74,7 +74,7 @@ impl Flow {
         entry.is_none_or(|(_, function)| self.may_discard(*function, constants).unwrap_or(true))
     }
 
-    /// `None` where a way leads to something unknown.
+    /// `None` if a way leads to something unknown.
     fn may_discard(&self, function: u32, constants: &Specialization) -> Option<bool> {
         let mut ways = vec![*self.functions.get(&function)?];
         let mut seen: FxHashSet<u32> = ways.iter().copied().collect();
@@ -186,7 +186,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// Takes an instruction's operands; `None` where there are too few, or blocks do not end.
+    /// Takes an instruction's operands; `None` if there are too few, or blocks do not end.
     fn instruction(&mut self, op: u32, operands: &[u32]) -> Option<()> {
         let operand = |index: usize| operands.get(index).copied();
         match op {

@@ -17,7 +17,7 @@ use std::time::Duration;
 /// An identifier, of up to 32 bytes (`VK_MAX_SHADER_MODULE_IDENTIFIER_SIZE_EXT`).
 pub type Identifier = SmallVec<[u8; 32]>;
 
-/// So many modules are kept, the newest: the largest games have some ten thousand, with some hundred bytes each.
+/// Most modules that are kept, the newest: the largest games have some ten thousand, with some hundred bytes each.
 const MOST_MODULES: usize = 16_384;
 
 /// Time for which new facts are collected before they are written.

@@ -36,7 +36,7 @@ impl Specialization {
         Self(entries.iter().map(|entry| (entry.constant_id, value(entry))).collect())
     }
 
-    /// The value of a constant of 32 bits of that number; `None` where it is set to something else.
+    /// The value of a constant of 32 bits of that number; `None` if it is set to something else.
     pub fn value(&self, number: u32, default: u32) -> Option<u32> {
         self.0.iter().find(|(known, _)| *known == number).map_or(Some(default), |(_, value)| *value)
     }

@@ -1,4 +1,4 @@
-//! SPIR-V, as far as the layer reads and writes it. Numbers are those of the SPIR-V specification, section 3.
+//! SPIR-V, as far as the layer reads and writes it. Numbers are from the SPIR-V specification, section 3.
 
 /// The first word of a module in this machine's byte order.
 pub const MAGIC: u32 = 0x0723_0203;

@@ -72,7 +72,7 @@ impl FrameTimes {
         }
     }
 
-    /// Whether anybody waits for the timestamps of a frame.
+    /// Whether the timestamps of a frame are awaited.
     pub fn waits_for(&self, frame: u64) -> bool {
         self.frames.iter().any(|known| known.frame == frame)
     }
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(times.take(5, 1.0), time(4, 7));
     }
 
-    /// Two queues: work at the same time counts once, a pause does not, and our own work is told apart.
+    /// Two queues: work at the same time counts once, a pause does not, and our own work is counted separately.
     #[test]
     fn a_frame_takes_as_long_as_any_queue_works() {
         let mut times = FrameTimes::default();

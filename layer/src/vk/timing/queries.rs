@@ -79,11 +79,11 @@ impl Queries {
         unsafe { self.device.cmd_write_timestamp(commands, DONE, self.pool, 1) }
     }
 
-    /// The timestamps; nothing while one of them is not there.
+    /// The timestamps; `None` while one of them is missing.
     ///
     /// # Errors
     ///
-    /// Those of vkGetQueryPoolResults.
+    /// The errors of vkGetQueryPoolResults.
     pub fn interval(&self) -> Result<Option<Interval>, GpuError> {
         let mut results = [0_u64; 2];
         // SAFETY: the pool is live, and has two queries.

@@ -124,7 +124,7 @@ impl ApplicationInput {
         &self.users
     }
 
-    /// Whether it looks at the gaze itself.
+    /// Whether it uses the gaze itself.
     pub fn has_gaze(&self) -> bool {
         self.gaze_suggestions > 0
     }

@@ -39,11 +39,11 @@ pub struct Wanted {
 }
 
 impl GazeAction {
-    /// Makes the action set, and suggests its binding besides those of the application.
+    /// Makes the action set, and suggests its binding beside the application's.
     ///
     /// # Errors
     ///
-    /// What was to be done, and how that failed.
+    /// The step that failed, and its result.
     pub fn create(
         next: &Next,
         instance: xr::Instance,
@@ -115,7 +115,7 @@ impl GazeAction {
     ///
     /// # Errors
     ///
-    /// Those of `xrCreateActionSpace`.
+    /// The errors of `xrCreateActionSpace`.
     pub fn space(&self, next: &Next, session: xr::Session) -> Result<xr::Space, xr::Result> {
         let info = xr::ActionSpaceCreateInfo {
             ty: xr::ActionSpaceCreateInfo::TYPE,
@@ -146,7 +146,7 @@ fn destroy(next: &Next, set: xr::ActionSet) {
 ///
 /// # Errors
 ///
-/// Those of `xrStringToPath`.
+/// The errors of `xrStringToPath`.
 pub fn profile(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Result> {
     path(next, instance, PROFILE)
 }
@@ -155,7 +155,7 @@ pub fn profile(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Resu
 ///
 /// # Errors
 ///
-/// Those of `xrStringToPath`.
+/// The errors of `xrStringToPath`.
 pub fn eyes(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Result> {
     path(next, instance, EYES)
 }
@@ -164,7 +164,7 @@ pub fn eyes(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Result>
 ///
 /// # Errors
 ///
-/// Those of `xrStringToPath`.
+/// The errors of `xrStringToPath`.
 pub fn paths(next: &Next, instance: xr::Instance) -> Result<GazePaths, xr::Result> {
     let path = |text| path(next, instance, text);
     Ok(GazePaths {
@@ -180,7 +180,7 @@ pub fn paths(next: &Next, instance: xr::Instance) -> Result<GazePaths, xr::Resul
 ///
 /// # Errors
 ///
-/// Those of `xrStringToPath`.
+/// The errors of `xrStringToPath`.
 pub fn path(next: &Next, instance: xr::Instance, text: &CStr) -> Result<xr::Path, xr::Result> {
     let mut path = xr::Path::NULL;
     // SAFETY: the next layer's function, a live instance, a C string and a place for the path.

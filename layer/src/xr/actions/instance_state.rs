@@ -1,4 +1,4 @@
-//! State of an instance's action sets, and of ours.
+//! State of an instance's action sets and ours.
 
 use super::application::ApplicationInput;
 use super::gaze_action::GazeAction;

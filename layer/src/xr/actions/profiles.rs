@@ -22,7 +22,7 @@ struct State {
     view: Visibility,
     /// An event was kept back that the application gets with its first synchronisation.
     owed: bool,
-    /// The profile of the eyes, and those of the paths that the application uses, when it last learnt of them.
+    /// Profiles of the eyes and of the paths that the application uses, as the application last learnt them.
     known: Current,
 }
 
@@ -135,7 +135,7 @@ fn has_any(current: &Current) -> bool {
     current.iter().any(|(_, profile)| *profile != xr::Path::NULL)
 }
 
-/// The current profiles of user paths; nothing where the runtime refuses to tell one.
+/// The current profiles of user paths; `None` if the runtime refuses one.
 fn current(session: &Session, users: impl IntoIterator<Item = xr::Path>) -> Option<Current> {
     let profile = |user| {
         let mut state = xr::InteractionProfileState {

@@ -1,4 +1,4 @@
-//! State of a session's actions, and of ours.
+//! State of a session's actions and ours.
 
 use super::gaze_action::GazeAction;
 use super::profiles::Profiles;
@@ -14,7 +14,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// frames: about a second, in which one that begins late has begun (peers: Quad-Views-Foveated and VectorXR wait as long).
 const PATIENCE_FRAMES: u32 = 100;
 
-/// Longest duration of a frame in the time for which an application has been seen: time in which nothing is shown tells nothing.
+/// Largest contribution of a frame to the time for which an application was visible: during a longer gap nothing is shown.
 const LONGEST_FRAME_NS: i64 = 100_000_000;
 
 /// The actions of a session.
@@ -29,7 +29,7 @@ pub struct SessionActions {
 #[derive(Debug, Default)]
 struct State {
     attachment: Attachment,
-    /// When the newest frame was shown, and for how long frames have been.
+    /// Display time of the newest frame, and the total time for which frames were shown.
     newest_ns: Option<i64>,
     shown_ns: i64,
     /// Whether the application has synchronised its actions.

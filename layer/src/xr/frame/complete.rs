@@ -12,8 +12,8 @@ use crate::xr::vulkan_device::FrameReport;
 use openxr_sys as xr;
 use parafovea_core::reuse::StaleTiles;
 
-/// Notes the pictures that a frame shows, completes those of which not all was rendered, and tells the planner which ones
-/// the next frame's can be made of.
+/// Notes the pictures that a frame shows, completes partly rendered ones, and passes the planner the eyes whose next pictures can re-use
+/// them.
 pub fn complete<'a>(
     frame: &FrameEnd,
     tools: &Tools,

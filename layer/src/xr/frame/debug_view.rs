@@ -1,7 +1,7 @@
-//! The layer's decisions, drawn over the finished pictures of the eyes where the configuration, or `parafovea status`, asks for that.
+//! The layer's decisions, drawn over the finished pictures of the eyes if the configuration, or `parafovea status`, asks for that.
 //!
-//! Pictures of virtual swapchains are drawn over when they were written, at the end of the frame. Those of other swapchains are drawn over in
-//! the call that returns their image, because the image is the runtime's after it: where the eyes' pictures are in it is known from
+//! Pictures of virtual swapchains are drawn over at the end of the frame, once they are written. Pictures of other swapchains are drawn over
+//! in the call that returns their image, because the image is the runtime's after it: the places of the eyes' pictures in it are known from
 //! the frame before.
 
 use super::FrameEnd;
@@ -33,7 +33,7 @@ pub struct DebugViews {
     shown: [Option<ShownEye>; 2],
     /// Number of that frame.
     frame: u64,
-    /// The view that was drawn last, and the number of the last frame by then.
+    /// The view that was drawn last, and the number of the last frame at that time.
     drawn: Option<(DebugView, u64)>,
     has_failed: bool,
 }
@@ -54,17 +54,17 @@ struct EyePicture<'a> {
     rect: vk::Rect2D,
 }
 
-/// Number of frames that may end without a drawing: those of an application that draws ahead.
+/// Number of frames that may end without a drawing: an application may draw ahead.
 const MISSED_FRAMES: u64 = 2;
 
 impl DebugViews {
-    /// Whether `view` was drawn over the last pictures; so many `frames` have ended.
+    /// Whether `view` was drawn over the last pictures; `frames`: number of ended frames.
     pub fn is_drawn(&self, view: DebugView, frames: u64) -> bool {
         self.drawn.is_some_and(|(drawn, by)| drawn == view && frames.saturating_sub(by) <= MISSED_FRAMES)
     }
 }
 
-/// Whether anything is to be drawn over pictures. What was made for it goes when it is not asked for any more.
+/// Whether anything is to be drawn over pictures. Frees the objects for it once it is no longer asked for.
 pub fn is_wanted(active: &Active, config: &Config) -> bool {
     let is_asked = debug_view(config).is_some();
     let mut views = active.debug_views();
@@ -78,7 +78,7 @@ pub fn is_wanted(active: &Active, config: &Config) -> bool {
     is_asked && !views.has_failed && active.health() == Health::Works
 }
 
-/// Takes where the eyes' pictures are, for those that are drawn over before the next frame ends; `number` is the frame's.
+/// Notes the places of the eyes' pictures, for drawing over them before the next frame ends; `number` is the frame's.
 pub fn note_shown(frame: &FrameEnd, number: u64) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
     if debug_view(config).is_none() {
@@ -112,7 +112,7 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
 ///
 /// # Safety
 ///
-/// This thread may use the session's queue; of the image that `swapchain` returns next, what the application draws to it is submitted.
+/// This thread may use the session's queue; the application's draws to the image that `swapchain` returns next are submitted.
 pub unsafe fn draw_over_released(swapchain: &Swapchain) {
     let session = swapchain.session();
     let Some(active) = &session.active else { return };
@@ -140,7 +140,7 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
     });
 }
 
-/// Draws over pictures; debug view "ahead" has its dot `dot_deg` to the left and upwards of straight ahead.
+/// Draws over pictures; the dot of debug view "ahead" is `dot_deg` to the left of and above the forward direction.
 ///
 /// # Safety
 ///

@@ -1,8 +1,8 @@
 //! The pictures of the last frames, which still lie in the application's images: stale tiles are taken from them.
 //!
-//! A picture is kept from the frame that shows it first, with the pose and field of view of then and the tiles that its passes
-//! left out, until the application draws to its image again. No colour is copied, and what was re-used is never re-used again.
-//! Depth, where it is submitted, is the runtime's image after its frame: of that there are copies.
+//! A picture is kept from the frame that shows it first, with that frame's pose and field of view and the tiles that its passes left out,
+//! until the application draws to its image again. No colour is copied, and re-used content is never re-used again. Depth, where it is
+//! submitted, is the runtime's image after its frame, so it is copied.
 
 mod ahead;
 mod lists;
@@ -41,7 +41,7 @@ pub struct Completing {
 impl Completing {
     /// As paper B does.
     pub const PAPER: Self = Self { turns: false, border: 0.0, oldest: MAX_AGES };
-    /// As a configuration says.
+    /// From a configuration.
     pub fn of(config: &Config) -> Self {
         let how = if config.reuse.mode == ReuseMode::Paper { Self::PAPER } else { Self::TURNED };
         Self { oldest: longest_period(config) as usize, ..how }
@@ -50,8 +50,8 @@ impl Completing {
     /// Turned with the head.
     pub const TURNED: Self = Self { turns: true, border: 4.0, oldest: MAX_AGES };
 
-    /// Width of blended borders, pixels. A head that stands still needs none: both sides of a border are of one picture but for
-    /// what moves in it.
+    /// Width of blended borders, pixels; 0 while the head stands still: both sides of a border are then of one picture, except for moving
+    /// content.
     fn border_of(&self, reuse: &Reuse) -> f32 {
         if reuse.is_still() { 0.0 } else { self.border }
     }
@@ -72,7 +72,7 @@ pub struct ShownDepth {
     pub array_layer: u32,
     /// Rectangle within the image.
     pub rect: DepthRect,
-    /// The submitted view, and from where it was seen.
+    /// The submitted view and its position.
     pub viewpoint: Viewpoint,
 }
 
@@ -98,8 +98,8 @@ pub struct ShownPicture {
 }
 
 impl History {
-    /// A frame shows a picture of an eye (0: left, 1: right), or none. `is_intact` says of a release whether its picture is still
-    /// there, and `stale` writes the stale tiles of this one. With it comes its depth, where that was copied.
+    /// Takes the picture of an eye (0: left, 1: right) that a frame shows, or none. `is_intact` returns whether the picture of a release is
+    /// still intact, and `stale` writes the stale tiles of this one. Its depth comes with it, if that was copied.
     pub fn show(
         &mut self,
         eye: usize,
@@ -120,13 +120,13 @@ impl History {
         *len > 1 && pictures[..2].iter().all(|kept| kept.depth.is_some())
     }
 
-    /// Whether any picture of an eye is there.
+    /// Whether an eye has any picture.
     pub fn has_pictures(&self, eye: usize) -> bool {
         self.eyes[eye].len > 0
     }
 
-    /// Assigns the stale tiles of an eye's newest picture to earlier pictures, and finds its tiles to compare with those: rendered tiles with a
-    /// watched middle, or none where `how` does not turn pictures. Tiles of `sorted` are taken where they belong to this picture.
+    /// Assigns the stale tiles of an eye's newest picture to earlier pictures, and finds its tiles to compare with them: rendered tiles with
+    /// a watched middle, or none if `how` does not turn pictures. Tiles of `sorted` are taken if they belong to this picture.
     pub fn complete(
         &mut self,
         eye: usize,
@@ -147,7 +147,7 @@ impl History {
         sorted.expect(eye, &pictures[..*len], *lost, expected);
     }
 
-    /// The comparisons that [`Self::complete`] found, of a view that is turned so in the world; `None` where there is nothing to compare.
+    /// The comparisons that [`Self::complete`] found, of a view that is turned so in the world; `None` if there is nothing to compare.
     pub fn changes(&self, eye: usize, how: Completing, orientation: Quat) -> Option<ChangeRegion<'_>> {
         let EyeHistory { pictures, len, lists: EyeLists { compared, .. }, .. } = &self.eyes[eye];
         let (newest, earlier) = pictures[..*len].split_first().filter(|_| compared.count() > 0)?;
@@ -163,7 +163,7 @@ impl History {
         })
     }
 
-    /// The re-use that [`Self::complete`] worked out; `None` where the newest picture is complete.
+    /// The re-use that [`Self::complete`] worked out; `None` if the newest picture is complete.
     pub fn region(&self, eye: usize, how: Completing) -> Option<ReuseRegion<'_>> {
         let EyeHistory { pictures, len, lists: EyeLists { lists, .. }, .. } = &self.eyes[eye];
         let pictures = &pictures[..*len];
@@ -193,7 +193,7 @@ fn earlier_images(pictures: &[Kept]) -> [EarlierImage; MAX_AGES] {
 /// Of one eye.
 #[derive(Debug, Default)]
 struct EyeHistory {
-    /// The newest first. What lies beyond [`Self::len`] is memory to be used again.
+    /// The newest first. Elements beyond [`Self::len`] are memory to be used again.
     pictures: Vec<Kept>,
     len: usize,
     /// The swapchain and the space of all of them.
@@ -281,7 +281,7 @@ impl EyeHistory {
         self.keep(intact);
     }
 
-    /// Keeps so many pictures, with the depth that is still there.
+    /// Keeps that many pictures, with their depth if that is still available.
     fn keep(&mut self, len: usize) {
         self.len = len;
         for (index, kept) in self.pictures.iter_mut().enumerate() {

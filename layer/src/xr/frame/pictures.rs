@@ -9,8 +9,8 @@ use crate::xr::submission::{Projection, ProjectionView};
 use glam::Quat;
 use openxr_sys::Handle;
 
-/// Tells the pictures of the eyes that are new in this frame, which our work has written on the session's queue, and whose image
-/// is not yet the runtime's again; nothing where their contrast does not count.
+/// Passes the Vulkan half the new pictures of the eyes in this frame, which our work has written on the session's queue, before their image
+/// is the runtime's again; none if their contrast does not count.
 ///
 /// # Safety
 ///

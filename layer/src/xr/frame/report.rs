@@ -8,7 +8,7 @@ use openxr_sys as xr;
 use openxr_sys::Handle;
 use smallvec::SmallVec;
 
-/// Ends a frame of the Vulkan half with its submission, after so many that went by unnoticed, and takes its report.
+/// Ends a frame of the Vulkan half with its submission, after that many ignored ones, and takes its report.
 pub fn end_frame(device: &VulkanDevice, submission: &Submission, unnoticed: u32, report: &mut FrameReport) {
     let mut views: SmallVec<[ShownViewRecord; 8]> = SmallVec::new();
     let mut flat: SmallVec<[u64; 16]> = SmallVec::new();

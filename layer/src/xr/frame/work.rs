@@ -33,7 +33,7 @@ pub struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    /// Begins with nothing to process; `None` where the application has released nothing yet.
+    /// Begins with nothing to process; `None` if the application has released nothing yet.
     pub fn begin(swapchain: &'a Swapchain) -> Option<Self> {
         let substitute = swapchain.substitute.as_ref()?;
         let newest = substitute.ring().newest()?;
@@ -69,7 +69,7 @@ impl<'a> Work<'a> {
         self.target.regions.extend(region);
     }
 
-    /// The picture that `view` shows; nothing where that makes no sense.
+    /// The picture that `view` shows; `None` if its rectangle or orientation is invalid.
     pub fn picture(&self, view: &ProjectionView, space: xr::Space, time: xr::Time) -> Option<ShownPicture> {
         let rect = rect_within(&view.sub_image, &self.images())?;
         let plane = view.fov.tangents().plane([rect.extent.width, rect.extent.height]);
@@ -85,8 +85,8 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// The picture of `view` once the job is done, in the runtime's image: the image, its format, and the rectangle in it. Nothing where it
-    /// cannot be read there, or where the application has released nothing new.
+    /// The picture of `view` once the job is done, in the runtime's image: the image, its format, and the rectangle in it. `None` if it
+    /// cannot be read there, or the application has released nothing new.
     pub fn finished(&self, view: &ProjectionView) -> Option<(vk::Image, vk::Format, vk::Rect2D)> {
         let rect = rect_within(&view.sub_image, &self.images())?;
         let image = *self.target.images()?.images().get(self.runtime_index as usize)?;
@@ -120,10 +120,9 @@ impl<'a> Work<'a> {
         Images { extent, array_layers, is_unit_range }
     }
 
-    /// Whether the runtime's picture is not the one to show. What the application released is written even if
-    /// no layer shows it that we know of; a picture of before only if a projection layer shows it again, it is still there, and
-    /// nothing of it comes from others, which may not be. Where something is drawn over pictures for people to see, that may have changed
-    /// since, and where it was, it may have to go.
+    /// Whether the runtime's picture has to be written. A picture that the application released is written even if no known layer shows it.
+    /// An earlier picture is written only if a projection layer shows it again, it is intact, and none of it comes from other pictures, which
+    /// may be lost. A drawing over a picture may have changed since, or may have to go.
     pub fn is_due(&self, is_drawn_over: bool) -> bool {
         let may_be_redone = self.is_projected && self.newest.intact && self.reuse.is_empty();
         let is_other = self.target.is_outdated() || is_drawn_over || self.target.is_drawn_over();

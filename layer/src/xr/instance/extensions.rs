@@ -23,14 +23,14 @@ pub enum EyeGaze {
     Added(Vec<*const c_char>),
     /// It does not, and the runtime has no eye gaze.
     NotThere,
-    /// The list is malformed; the runtime will say so.
+    /// The list is malformed; the runtime will report it.
     Unreadable,
 }
 
 impl EyeGaze {
-    /// Reads the list. `offered` is the runtime's own, where that is known. What it has not is asked for all the same, by
-    /// creating an instance with it, because such lists are not always right (peers: VectorXR on SteamVR and Pimax): unless
-    /// the application may be listening to what goes wrong meanwhile, with a structure in the chain.
+    /// Reads the list. `offered` is the runtime's own, if known. An extension that it lacks is asked for all the same, by creating an
+    /// instance with it, because such lists are not always right (peers: VectorXR on SteamVR and Pimax): unless a structure in the chain may
+    /// report the failures meanwhile to the application.
     ///
     /// # Safety
     ///

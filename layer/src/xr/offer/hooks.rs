@@ -15,7 +15,7 @@ pub(super) fn offering(session: Option<&Arc<Session>>) -> Option<Arc<Instance>> 
     of_session.filter(|instance| instance.offer.is_some()).or_else(any_offering)
 }
 
-/// An action's subaction paths without that of the eyes, which the runtime does not know; `None` where it may get the structure as it is.
+/// An action's subaction paths without the eyes' path, which the runtime does not know; `None` if it may get the structure unchanged.
 ///
 /// # Safety
 ///
@@ -168,15 +168,15 @@ fn is_driven_below(session: &Session, offer: &Offer, action: xr::Action) -> bool
     result.into_raw() >= 0 && state.is_active.into()
 }
 
-/// The current profile of the eyes; `None` for another user path, or where the runtime knows. The errors are those of the runtime for a
-/// path that it knows.
+/// The current profile of the eyes; `None` for another user path, or if the runtime knows it. The errors are the runtime's for a path that it
+/// knows.
 pub fn current_profile(session: &Session, user: xr::Path) -> Option<Result<xr::Path, xr::Result>> {
     let (offer, offered) = session.offered().filter(|(offer, _)| offer.paths.eyes == user)?;
     let current = if offered.is_current() { offer.paths.profile } else { xr::Path::NULL };
     Some(attachment_error(session, offer).map_or(Ok(current), Err))
 }
 
-/// The runtime's error for a session without action sets, and whatever else is wrong with it; `None` if all is right.
+/// The runtime's error for a session without action sets or with another fault; `None` if there is none.
 pub(super) fn attachment_error(session: &Session, offer: &Offer) -> Option<xr::Result> {
     let mut other = xr::InteractionProfileState {
         ty: xr::InteractionProfileState::TYPE,

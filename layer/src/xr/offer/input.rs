@@ -89,11 +89,11 @@ impl OfferedInput {
         }
     }
 
-    /// Bindings of the profile of eye gaze were suggested, which replace those before.
+    /// Takes suggested bindings of the profile of eye gaze, which replace the earlier ones.
     ///
     /// # Errors
     ///
-    /// Those of `xrSuggestInteractionProfileBindings`.
+    /// The errors of `xrSuggestInteractionProfileBindings`.
     pub fn suggest(
         &mut self,
         paths: &GazePaths,

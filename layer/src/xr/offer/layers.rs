@@ -25,7 +25,7 @@ enum Copied {
 }
 
 impl PlacedLayers {
-    /// The submission with its layers placed anew; `None` if none is in the space of a gaze. Allocates nothing without such a layer.
+    /// The submission with its layers placed by the gaze; `None`, without an allocation, if none is in the space of a gaze.
     ///
     /// # Safety
     ///

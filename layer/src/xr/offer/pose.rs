@@ -1,4 +1,4 @@
-//! Poses, and what is valid of the pose of a gaze.
+//! Poses, and the validity of the pose of a gaze.
 
 use crate::inputs::gaze::{degrees, rotation, turn};
 use glam::{Quat, Vec3};
@@ -14,7 +14,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// A pose of OpenXR; `None` where its orientation is no rotation.
+    /// A pose of OpenXR; `None` if its orientation is no rotation.
     pub fn read(pose: &xr::Posef) -> Option<Self> {
         let xr::Quaternionf { x, y, z, w } = pose.orientation;
         let xr::Vector3f { x: right, y: up, z: back } = pose.position;

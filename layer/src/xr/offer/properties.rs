@@ -5,8 +5,8 @@ use crate::xr::gaze::Offered;
 use crate::xr::instance::{self, next_of_any};
 use openxr_sys as xr;
 
-/// `xrGetSystemProperties`: the system has eye gaze where the user offers it; an application without the extension, which is on because of us,
-/// is told nothing about it.
+/// `xrGetSystemProperties`: the system has eye gaze if the user offers it. An application that did not ask for the extension gets its
+/// structure back unchanged.
 ///
 /// # Safety
 ///

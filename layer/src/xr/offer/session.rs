@@ -18,7 +18,7 @@ struct State {
     active: SmallVec<[xr::Action; 2]>,
     /// Actions of `active` that a source of the runtime's could drive, but none drove at that synchronisation.
     undriven: SmallVec<[xr::Action; 2]>,
-    /// Whether the newest state that the application was told has the focus.
+    /// Whether the newest state that the application received has the focus.
     was_focused: bool,
     /// Whether the profile of eye gaze is the current one.
     is_current: bool,
@@ -36,8 +36,8 @@ impl SessionOffer {
         self.state().gazes = gazes;
     }
 
-    /// The application synchronised these sets. `has_focus`: that changed states; `has_gaze`: a source is there; `is_driven`: a source of the
-    /// runtime's drives an action.
+    /// Takes a synchronisation of these sets by the application. `has_focus`: the call changed states; `has_gaze`: a source is present;
+    /// `is_driven`: a source of the runtime's drives an action.
     pub fn synchronised(
         &self,
         sets: &[xr::ActiveActionSet],
@@ -67,8 +67,8 @@ impl SessionOffer {
         }
     }
 
-    /// The application is told whether the session has the focus: without, no input is active. States on the way to the focus may be told after
-    /// a synchronisation that had it already; they take nothing away.
+    /// Takes a state of the session that the application receives: without the focus, no input is active. States on the way to the focus may
+    /// arrive after a synchronisation that had it already; they take nothing away.
     pub fn has_focus(&self, has_focus: bool) {
         let mut state = self.state();
         if std::mem::replace(&mut state.was_focused, has_focus) && !has_focus {
@@ -114,7 +114,7 @@ impl SessionOffer {
     }
 }
 
-/// Of the actions in active sets, those of the highest priority: they take the gaze from all others.
+/// The actions of highest priority in active sets: they take the gaze from all others.
 fn active(
     gazes: &[GazeBinding],
     sets: &[xr::ActiveActionSet],

@@ -18,7 +18,7 @@ struct ActionSpace {
     session: xr::Session,
     action: xr::Action,
     subaction: xr::Path,
-    /// The pose of the space in that of the action.
+    /// The pose of the space in the action's space.
     offset: Pose,
 }
 
@@ -93,7 +93,7 @@ pub unsafe extern "system" fn create_action_space(
 pub struct GazeSpace {
     session: Arc<Session>,
     space: Arc<ActionSpace>,
-    /// That of the head, of the same session.
+    /// The head's space, of the same session.
     head: xr::Space,
 }
 
@@ -125,7 +125,7 @@ impl GazeSpace {
         }
     }
 
-    /// The same for a composition layer; `None` where it has none: then the runtime does not show the layer.
+    /// The same for a composition layer; `None` if it has none: then the runtime does not show the layer.
     pub fn pose_in_head(&self, time: xr::Time) -> Option<Pose> {
         match self.placement(time) {
             Placement::Gaze { pose, .. } => Some(pose),
@@ -150,7 +150,7 @@ struct Side {
 enum Placement {
     /// The same space.
     Same,
-    /// That of the gaze, in the space of the head.
+    /// The pose of the gaze, in the space of the head.
     Gaze {
         pose: Pose,
         /// When the eyes looked there.

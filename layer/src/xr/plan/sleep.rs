@@ -1,4 +1,4 @@
-//! Frames that go by unnoticed: the gates keep every technique off, no trial is near, and the Vulkan half follows no passes.
+//! Frames that the layer ignores: the gates keep every technique off, no trial is near, and the Vulkan half follows no passes.
 //!
 //! Such a frame makes no plan, asks no eye tracker and has no crossing. An edit of the configuration ends the sleep early, and so does the
 //! status, once a second.
@@ -27,22 +27,22 @@ pub struct Sleep {
 }
 
 impl Sleep {
-    /// Whether the frame under way goes by unnoticed.
+    /// Whether the current frame is ignored.
     pub fn is_asleep(&self) -> bool {
         self.left.load(Ordering::Relaxed) > 0
     }
 
-    /// The next `frames` go by unnoticed.
+    /// The next `frames` are ignored.
     fn begin(&self, frames: u32) {
         self.left.store(frames, Ordering::Relaxed);
     }
 
-    /// No more frames go by unnoticed.
+    /// No more frames are ignored.
     pub fn wake(&self) {
         self.left.store(0, Ordering::Relaxed);
     }
 
-    /// A frame begins; returns the frames since the last one that was noticed, with this one. `None` if it goes by unnoticed.
+    /// A frame begins; returns the frames since the last one that was not ignored, with this one. `None` if it is ignored.
     pub fn frame_begins(&self) -> Option<u32> {
         if self.is_asleep() {
             self.unbegun.fetch_add(1, Ordering::Relaxed);
@@ -51,7 +51,7 @@ impl Sleep {
         Some(self.unbegun.swap(0, Ordering::Relaxed).saturating_add(1))
     }
 
-    /// A frame ends; returns whether it goes by unnoticed. With `is_asked`, none does.
+    /// A frame ends; returns whether it is ignored. With `is_asked`, none is.
     pub fn frame_ends(&self, is_asked: bool) -> bool {
         let left = self.left.load(Ordering::Relaxed);
         if left == 0 || is_asked {
@@ -63,13 +63,13 @@ impl Sleep {
         true
     }
 
-    /// Frames that ended unnoticed since the last call.
+    /// Ignored frames that ended since the last call.
     pub fn unended(&self) -> u32 {
         self.unended.swap(0, Ordering::Relaxed)
     }
 }
 
-/// At the end of a frame: the next frames go by unnoticed if nothing in them is of use. The Vulkan half follows no passes in
+/// At the end of a frame: the next frames are ignored if nothing in them is of use. The Vulkan half follows no passes in
 /// `unfollowed` frames.
 pub fn fall_asleep(
     session: &Session,

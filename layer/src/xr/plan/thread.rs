@@ -65,13 +65,13 @@ impl PlanThread {
         Self { shared: Arc::new(shared), thread: Mutex::new(Thread::NotBegun) }
     }
 
-    /// The state of plans, after the plan that is due or under way was made.
+    /// The state of plans, after the plan that is due or in progress was made.
     pub fn work(&self) -> &PlanWork {
         self.shared.finish();
         &self.shared.work
     }
 
-    /// The same, while a plan may be due or under way.
+    /// The same, while a plan may be due or in progress.
     pub fn work_in_progress(&self) -> &PlanWork {
         &self.shared.work
     }
@@ -105,7 +105,7 @@ impl PlanThread {
         }
     }
 
-    /// Ends the thread. Nobody calls into it afterwards, and further tasks are done at once.
+    /// Ends the thread. The Vulkan half makes no calls into it afterwards, and further tasks are done at once.
     pub fn end(&self) {
         let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
         if let Thread::Runs(handle) = std::mem::replace(&mut *thread, Thread::Ended) {
@@ -164,7 +164,7 @@ impl SharedPlan {
         self.stage.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns when no plan is due or under way: makes the one that is due, or waits for the one that is under way.
+    /// Returns when no plan is due or in progress: makes the one that is due, or waits for the one that is in progress.
     fn finish(&self) {
         let mut stage = self.lock();
         loop {

@@ -28,13 +28,13 @@ pub struct FrameTask {
     pub config: Arc<ConfigSnapshot>,
     /// Its display time, nanoseconds.
     pub time_ns: i64,
-    /// The inputs of its plan; `None` where it has one.
+    /// The inputs of its plan; `None` if it has one.
     pub inputs: Option<PlanInputs>,
     /// Its views, if the tiles of its pictures can be sorted ahead; else none.
     pub expected: SmallVec<[View; 4]>,
 }
 
-/// The inputs of a plan beside those that [`Planning`] took already.
+/// The inputs of a plan that [`Planning`] has not taken already.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanInputs {
     /// Whether images can be composed.
@@ -84,7 +84,7 @@ impl PlanWork {
         &self.device
     }
 
-    /// Whether planning panicked once: it is given up then.
+    /// Whether planning panicked once: it is then turned off.
     pub fn has_failed(&self) -> bool {
         self.has_failed.load(Ordering::Relaxed)
     }

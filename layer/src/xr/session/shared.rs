@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 static SHARED: Registry<vk::Device, Shared> = Registry::new();
 
-/// The shared objects of a device; a session's own where nobody would tell of the device's end.
+/// The shared objects of a device; the session's own if the end of the device would not be announced.
 ///
 /// # Safety
 ///

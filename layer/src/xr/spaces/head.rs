@@ -8,9 +8,9 @@ use glam::Quat;
 use openxr_sys as xr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The mean of the views is the head where the two are within this angle, radians: one degree. OpenXR puts the VIEW space between the
-/// views (section 7.1, Reference Spaces) but does not say how it is turned when displays are canted; a head that turns by 400 degrees a
-/// second moves by less between the predictions of two calls.
+/// The mean of the views is the head where the two are within this angle, radians: one degree. OpenXR puts the VIEW space between the views
+/// (section 7.1, Reference Spaces) but leaves its orientation open for canted displays; a head that turns by 400 degrees a second moves by
+/// less between the predictions of two calls.
 const AGREEMENT_RAD: f32 = 0.0175;
 
 /// Time between two comparisons, nanoseconds.

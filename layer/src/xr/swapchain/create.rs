@@ -17,9 +17,9 @@ use openxr_sys as xr;
 use std::ptr;
 use std::sync::Arc;
 
-/// `xrCreateSwapchain`: for a virtual one, for one whose pictures may have to be filled, and for one with depth that may be copied,
-/// the runtime is asked for more usage. If it refuses, the call is made as the application made it, so that the runtime's own result is what the
-/// application gets.
+/// `xrCreateSwapchain`: for a virtual one, for one whose pictures may have to be filled, and for one with depth that may be copied, the
+/// runtime is asked for more usage. If it refuses, the application's call is made unchanged, so that the application gets the runtime's own
+/// result.
 ///
 /// # Safety
 ///

@@ -10,7 +10,7 @@ use crate::xr::session::{Active, Health, Tools};
 use openxr_sys as xr;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
-/// Whether depth can be copied; nobody knows before it is asked for.
+/// Whether depth can be copied; unknown until it is first asked for.
 #[derive(Default)]
 pub enum Depth {
     #[default]
@@ -24,7 +24,7 @@ pub enum Depth {
 }
 
 impl Depth {
-    /// Copies that of an image.
+    /// Copies the depth of an image.
     fn with_copy(self, index: u32) -> Self {
         let Self::There { source, .. } = self else { return self };
         match source.copy(index) {

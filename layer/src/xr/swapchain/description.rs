@@ -39,7 +39,7 @@ impl Description {
         (vk::Extent2D { width: self.extent[0], height: self.extent[1] }, self.layers)
     }
 
-    /// The shape of the images for the debug view; an error says why nothing may be drawn.
+    /// The shape of the images for the debug view; the error is the reason why nothing may be drawn.
     pub fn drawn_over(&self) -> Result<SwapchainShape, &'static str> {
         if self.has_flags {
             return Err("it is static or protected");

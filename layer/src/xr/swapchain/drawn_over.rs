@@ -6,7 +6,7 @@ use crate::gpu::Gpu;
 use crate::kernels::compose::RuntimeImages;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
-/// Whether they can be drawn over; nobody knows before it is asked for.
+/// Whether they can be drawn over; unknown until it is first asked for.
 #[derive(Default)]
 pub enum DrawnOver {
     #[default]

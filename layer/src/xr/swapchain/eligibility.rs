@@ -47,8 +47,7 @@ impl fmt::Display for NotSubstituted {
     }
 }
 
-/// The shape of the images of a swapchain, if it may be substituted. `supports` says which formats `compose`
-/// works with.
+/// The shape of the images of a swapchain, if it may be substituted. `supports` returns whether `compose` works with a format.
 ///
 /// # Safety
 ///

@@ -7,7 +7,7 @@ use super::{Substitute, Swapchain};
 use openxr_sys as xr;
 use std::time::{Duration, Instant};
 
-/// Longest wait, whatever the application allows: a device that takes longer hangs, and the application must not hang with it.
+/// Longest wait, even if the application allows more: a device that takes longer hangs, and the application must not hang with it.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Time between two looks. No fence is waited for: another thread may use it for the next submit meanwhile.

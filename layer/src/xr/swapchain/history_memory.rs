@@ -1,4 +1,4 @@
-//! Memory of the pictures that re-use keeps: images of a virtual swapchain beyond those that the runtime's has.
+//! Memory of the pictures kept for re-use: images of a virtual swapchain beyond the number of the runtime's.
 
 use crate::kernels::compose::ImageMemory;
 use crate::status::HistoryTooLarge;

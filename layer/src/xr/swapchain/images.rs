@@ -48,7 +48,7 @@ pub unsafe extern "system" fn enumerate_images(
     })
 }
 
-/// Our images, as `xrEnumerateSwapchainImages` tells them.
+/// Our images, as `xrEnumerateSwapchainImages` returns them.
 ///
 /// # Safety
 ///

@@ -31,7 +31,7 @@ pub struct Substitute {
     pub can_be_analyzed: bool,
     /// Device memory of the images beyond the runtime's number, which re-use needs, bytes.
     pub history_bytes: u64,
-    /// Why there are none of those.
+    /// The reason why there are none of those.
     pub refused: Option<HistoryTooLarge>,
     ready: Once,
     ring: Mutex<Ring>,

@@ -66,7 +66,7 @@ impl Target {
         self.is_drawn_over
     }
 
-    /// Whether [`Self::regions`] differ from those of the runtime's picture.
+    /// Whether [`Self::regions`] differ from the regions of the runtime's picture.
     pub fn is_outdated(&self) -> bool {
         let is_same = |a: &ComposeRegion, b: &ComposeRegion| {
             a.array_layer == b.array_layer
@@ -84,7 +84,7 @@ impl Target {
     ///
     /// # Errors
     ///
-    /// Those of `xrAcquireSwapchainImage` and `xrWaitSwapchainImage`.
+    /// The errors of `xrAcquireSwapchainImage` and `xrWaitSwapchainImage`.
     pub fn take(&mut self, next: &Next, swapchain: xr::Swapchain) -> Result<Option<u32>, xr::Result> {
         if self.held == Held::Nothing {
             let mut index = 0;
@@ -118,7 +118,7 @@ impl Target {
     ///
     /// # Errors
     ///
-    /// Those of `xrReleaseSwapchainImage`.
+    /// The errors of `xrReleaseSwapchainImage`.
     pub fn release(
         &mut self,
         next: &Next,

@@ -1,4 +1,4 @@
-//! A stand-in for the runtime below, as little of it as the tests need. It notes what it is called with.
+//! A stand-in for the runtime below, as little of it as the tests need. It notes the arguments of its calls.
 
 pub mod frames;
 pub mod vulkan_half;

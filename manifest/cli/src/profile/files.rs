@@ -14,9 +14,9 @@ pub struct Files {
     environment: Environment,
 }
 
-/// A file that is there.
+/// An existing file.
 pub struct Found {
-    /// Whom it is for.
+    /// Application that it is for.
     pub application: String,
     /// Its path.
     pub path: PathBuf,

@@ -5,7 +5,7 @@ use parafovea_manifest::status::{Found, Gate, Memory, Rates, Settings, Sound, St
 use std::fmt::Write;
 use std::path::Path;
 
-/// All applications, or the one that was asked for; `gone` is how many ended without saying so.
+/// All applications, or the one named in `asked`; `gone` is the number of crashed or hanging ones.
 pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &Environment) -> String {
     let mut text: Vec<String> = found.iter().map(|found| of_one(&found.status, environment)).collect();
     if found.is_empty() {

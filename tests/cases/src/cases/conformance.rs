@@ -1,7 +1,7 @@
-//! Statements of the specification about eye gaze, each checked by one call: what Khronos' conformance suite demands of a runtime with
-//! XR_EXT_eye_gaze_interaction, and what it demands of input in general, for the profile of eye gaze. Each check names the section that it
-//! comes from. The statements are the specification's; the suite served as a list of what to check (OpenXR-CTS,
-//! `test_XR_EXT_eye_gaze_interaction.cpp`, `test_actions.cpp`, `test_xrGetSystemProperties.cpp`).
+//! Statements of the specification about eye gaze, each checked by one call: the demands of Khronos' conformance suite on a runtime with
+//! XR_EXT_eye_gaze_interaction, and its demands on input in general, for the profile of eye gaze. Each check names its section. The
+//! statements are the specification's; the suite served as a list of checks (OpenXR-CTS, `test_XR_EXT_eye_gaze_interaction.cpp`,
+//! `test_actions.cpp`, `test_xrGetSystemProperties.cpp`).
 
 pub mod actions;
 pub mod enumeration;
@@ -76,7 +76,7 @@ impl<'a> Calls<'a> {
         self.suggest_as(xr::InteractionProfileSuggestedBinding::TYPE, GAZE, bindings)
     }
 
-    /// xrCreateAction of a pose with these subaction paths; the name is told apart by `name`.
+    /// xrCreateAction of a pose with these subaction paths; `name` makes the action's name unique.
     fn create_action(&self, set: xr::ActionSet, name: &std::ffi::CStr, users: &[xr::Path]) -> xr::Result {
         let info = xr::ActionCreateInfo {
             ty: xr::ActionCreateInfo::TYPE,

@@ -40,8 +40,8 @@ enum End {
 
 /// Ends a child by `exit`, after the thread's own handlers and before handlers that were registered earlier.
 ///
-/// Mesa joins the threads of its queues there. A child does not have those, and crashes or hangs, as it happens, whatever layers
-/// there are.
+/// Mesa joins the threads of its queues there. A child does not have those threads, and crashes or hangs by chance, with any
+/// layers or none.
 extern "C" fn leave_driver_out() {
     if PROCESS.get() != Some(&std::process::id()) {
         // SAFETY: may be called at any time.

@@ -20,7 +20,7 @@ pub fn two_sessions(app: &App) -> Outcome {
     Ok(())
 }
 
-/// Two sessions are there at once, on one device, and show frames by turns.
+/// Two sessions exist at once, on one device, and show frames by turns.
 pub fn two_sessions_at_once(app: &App) -> Outcome {
     // Events are taken by the session that asks for them: each is begun before the other is there.
     let first = Session::start(app)?;

@@ -102,7 +102,7 @@ pub fn two_swapchains_a_view(app: &App) -> Outcome {
     session.finish()
 }
 
-/// The application makes its swapchains anew, in other sizes, while the session runs.
+/// The application creates its swapchains again, in other sizes, while the session runs.
 pub fn resolution_change(app: &App) -> Outcome {
     let session = Session::start(app)?;
     let [width, height] = app.view_sizes[0];

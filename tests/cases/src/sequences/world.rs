@@ -41,7 +41,7 @@ struct Swapchain {
     is_static: bool,
 }
 
-/// A sequence under way.
+/// A sequence in progress.
 pub struct World<'a> {
     app: &'a App,
     numbers: Numbers,

@@ -7,7 +7,7 @@ use parafovea_cases::pattern::{Figure, Rect};
 use parafovea_cases::report::Picture;
 use std::ptr::{from_ref, null};
 
-/// Metres from the viewer to a quad, straight ahead.
+/// Distance from the viewer to a quad at the centre of the view, metres.
 const QUAD_DISTANCE: f32 = 1.0;
 
 /// A rectangle of one array layer of a swapchain, and the pattern of the last release there.

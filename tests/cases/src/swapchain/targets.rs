@@ -81,7 +81,7 @@ impl Targets {
 }
 
 /// One attachment, cleared, in the layout that OpenXR gives and takes images in. The dependencies order our own
-/// passes only: what the runtime does with the image is its to synchronise.
+/// passes only: the runtime synchronises its own work with the image.
 fn render_pass(device: &ash::Device, shape: &Shape) -> Result<vk::RenderPass, Failure> {
     let depth = texels(shape.view_format) == Texels::Depth;
     let (layout, stages, writes) = if depth {

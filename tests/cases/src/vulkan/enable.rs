@@ -37,7 +37,7 @@ pub fn create(xr: &Xr, version: VulkanVersion) -> Result<Vulkan, Failure> {
     Ok(Vulkan::assemble(library, instance, physical_device, device, family))
 }
 
-/// For a device that was there before OpenXR: it has to be the one that the runtime uses.
+/// For a device that existed before OpenXR: it must be the runtime's device.
 pub fn require_same_device(xr: &Xr, vulkan: &Vulkan) -> Result<(), Failure> {
     require_graphics(xr)?;
     if graphics_device(xr, vulkan.instance.handle())? == vulkan.physical_device {

@@ -26,8 +26,8 @@ pub struct Ended {
 }
 
 impl Group {
-    /// Runs the tests, each process for so long at most. Several tests share a process at first; each that does not pass in it runs again, in
-    /// a process of its own, which says how it ended: a test that hangs, ends its process or is skipped does so under its own name.
+    /// Runs the tests, each process within `limit`. Several tests share a process at first; each test that does not pass in it runs again in
+    /// a process of its own, which decides its outcome: a test that hangs, ends its process or is skipped does so under its own name.
     pub fn run(&self, limit: Duration) -> Vec<Ended> {
         let shared = if self.names.len() > 1 { self.run_together(limit).ok() } else { None };
         let (outcomes, time) = shared.unwrap_or_default();

@@ -4,7 +4,7 @@ use glam::Vec3;
 use parafovea_core::geometry::Fov;
 use std::f32::consts::FRAC_PI_4;
 
-/// `fake_python.sh` by another name. It is linked to, not copied: Linux starts no program that somebody writes to.
+/// `fake_python.sh` by another name. It is linked to, not copied: Linux starts no program that is open for writing.
 fn python(name: &str) -> (tempfile::TempDir, PathBuf) {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/src/fvvdp/fake_python.sh");
     let folder = tempfile::tempdir().unwrap();

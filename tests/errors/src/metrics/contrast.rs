@@ -1,8 +1,8 @@
 //! Change of contrast in just-noticeable differences: castleCSF's sensitivity to the change in each band.
 //!
 //! A band's value over the luminance (or colour) that the eye is adapted to is a contrast; times the sensitivity at the
-//! band's frequency, the spot's eccentricity and its luminance it is in JND. A spot's error is that of the band that
-//! shows it best. Masking by the picture is not modelled: in busy parts less is seen than these figures say.
+//! band's frequency, the spot's eccentricity and its luminance it is in JND. A spot's error is the largest of its
+//! bands' errors. Masking by the image is not modelled: in busy parts errors are less visible than these figures.
 
 use crate::bands::{BAND_CYCLES_PER_PIXEL, BAND_GAIN, BANDS, Bands};
 use crate::field::{CELL_PX, Field};
@@ -58,8 +58,8 @@ impl Mechanism {
     }
 }
 
-/// The area that a change is taken to cover, square degrees: a disc with a radius of one cycle, at least one square
-/// degree. What is degraded are whole rings.
+/// Area of a change, square degrees: a disc with a radius of one cycle, at least one square degree, since whole
+/// rings are degraded.
 fn area_deg2(frequency_cpd: f32) -> f32 {
     (PI / (frequency_cpd * frequency_cpd)).max(1.0)
 }

@@ -1,10 +1,10 @@
-//! Energy of the change at frequencies that flicker is seen at.
+//! Energy of the change at frequencies of visible flicker.
 //!
 //! At each pixel the change's luminance over that of the surroundings is a series over the clip. Its mean is taken out, it
 //! is weighted by a Hann window of power 1 (the transform takes the series for periodic, and the step from its end
 //! to its beginning would have all frequencies), and of its discrete Fourier transform the bins within [`BAND_HZ`]
-//! remain. Transformed back, the power at each frame goes to the ring that the pixel lies in at that frame. Bins
-//! are as far apart as the clip has frames a second; what is one bin outside the band shows in it by half.
+//! remain. Transformed back, the power at each frame goes to the ring that the pixel lies in at that frame. The distance
+//! of bins is the refresh rate over the number of frames; half the amplitude of the bin next to the band shows in it.
 
 use crate::field::{CELL_PX, Field, TILE_PX};
 use crate::pool::TileSums;
@@ -111,7 +111,7 @@ impl BandPass {
         })
     }
 
-    /// Takes a series; false where it is 0 throughout.
+    /// Takes a series; returns false if it is 0 throughout.
     fn load(&mut self, series: impl Iterator<Item = f32>) -> bool {
         self.frames.iter_mut().zip(series).for_each(|(to, from)| *to = from);
         self.frames.iter().any(|&value| value != 0.0)

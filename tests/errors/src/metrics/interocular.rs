@@ -2,7 +2,7 @@
 //!
 //! Both eyes look at the same thing, so points at the same angle from each eye's gaze show it (corresponding points
 //! of the retinas). A point of the left view is turned with the gaze, from the left eye's to the right eye's, to find
-//! its partner. For things at the distance of what is looked at that is exact.
+//! its partner. That is exact for things at the distance of the fixated one.
 //!
 //! The displacement of a tile is the horizontal shift of the reference that explains the test best: the best of whole
 //! pixels up to [`REACH_PX`] by squared difference, then refined by Gauss-Newton steps on an interpolated reference. It

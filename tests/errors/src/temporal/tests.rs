@@ -5,7 +5,7 @@ fn gain_of(kernel: &Kernel, hz: f64) -> f64 {
     gain(&taps, hz / 90.0)
 }
 
-/// castleCSF's published responses, written down anew: exp(-w^1.3314 / 10.5795) and
+/// castleCSF's published responses, written independently: exp(-w^1.3314 / 10.5795) and
 /// exp(-(w^0.1898 - w0^0.1898)^2 / 0.0844836) with w0 = 4.7036 + 2.41482 log10 L.
 #[test]
 fn filters_have_the_gains_of_castle_csf() {

@@ -53,7 +53,7 @@ fn noise() {
     assert_rising("noise", &reports, &[Metric::Transient, Metric::Flicker, Metric::AreaFlicker]);
 }
 
-/// Noise of the same strength everywhere is seen less the farther from the gaze it is.
+/// Noise of uniform strength is less visible the farther it is from the gaze.
 #[test]
 fn eccentricity() {
     let reference = clip_of(6, [true, false], |_, _, _, _| [0.3; 3]);

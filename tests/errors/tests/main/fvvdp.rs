@@ -1,4 +1,4 @@
-//! FovVideoVDP, where somebody has it.
+//! FovVideoVDP, where it is installed.
 
 use crate::scene::{SIDE, blurred, clip, each, held, in_ring, light};
 use glam::Vec3;
@@ -48,7 +48,7 @@ fn equal_clips_are_10_jod_and_degraded_ones_less() {
     eprintln!("looked at: {} JOD, aside: {aside} JOD", found.jod);
 }
 
-/// One half of the picture is blurred, and somebody looks into its middle, or into that of the other one.
+/// One half of the image is blurred, and the gaze is at the middle of that half or of the other one.
 #[test]
 fn a_blurred_periphery_costs_less_jod_than_a_blurred_fovea() {
     let fvvdp = fvvdp();

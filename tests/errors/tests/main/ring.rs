@@ -11,7 +11,7 @@ fn noisy_pair() -> [Clip; 2] {
     [reference, test]
 }
 
-/// Mean over the whole picture, from those of the rings.
+/// Mean over the whole image, from the rings' means.
 fn whole(report: &parafovea_errors::Report, metric: Metric) -> f64 {
     let rows = || (0..RINGS).map(|ring| report.row(metric, ring));
     let pixels: u64 = rows().map(|row| row.pixels).sum();

@@ -47,7 +47,7 @@ impl Images {
     ///
     /// # Safety
     ///
-    /// The image is live and not written; all work with it was submitted; nobody else uses the queue meanwhile.
+    /// The image is live and not written; all work with it was submitted; no other code uses the queue meanwhile.
     pub unsafe fn save(&self, image: u64, part: &xr::SwapchainSubImage, path: &Path) {
         let rect = part.image_rect;
         let [width, height] = [rect.extent.width, rect.extent.height].map(|side| side as u32);
@@ -128,7 +128,7 @@ impl Images {
     ///
     /// # Safety
     ///
-    /// Nobody else uses the queue meanwhile.
+    /// No other code uses the queue meanwhile.
     unsafe fn run(&self, record: impl FnOnce(vk::CommandBuffer)) {
         let device = &self.device;
         // SAFETY: the caller vouches for the queue; the rest is made here.

@@ -1,5 +1,5 @@
 //! Whether this thread is in a call of the application's that begins a render pass. Both counting layers are in one
-//! library, so what the upper one notes the lower one sees.
+//! library, so the lower one sees the note of the upper one.
 
 use std::cell::Cell;
 

@@ -206,7 +206,7 @@ impl Buffers {
         }
     }
 
-    /// A render pass is about to begin: starts a query. `why_not` says why its samples cannot be counted.
+    /// Starts a query before a render pass begins. `why_not` is the reason if its samples cannot be counted.
     ///
     /// # Safety
     ///
@@ -256,7 +256,7 @@ impl Buffers {
         }
     }
 
-    /// A primary buffer executes secondary ones; `why_not` says why their fragments cannot be counted.
+    /// Counts the draws of secondary buffers that a primary one executes; `why_not` is the reason if their fragments cannot be counted.
     pub fn execute(
         &mut self,
         primary: vk::CommandBuffer,

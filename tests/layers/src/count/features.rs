@@ -53,7 +53,7 @@ impl Features {
     ///
     /// # Safety
     ///
-    /// `info` is a valid structure, whose chain nobody else uses during the call.
+    /// `info` is a valid structure, whose chain no other code uses during the call.
     pub unsafe fn amend(
         &self,
         mut info: vk::DeviceCreateInfo<'_>,
@@ -104,7 +104,7 @@ impl Features {
 ///
 /// # Safety
 ///
-/// `info` is a valid structure, whose chain nobody else uses while the result lives.
+/// `info` is a valid structure, whose chain no other code uses while the result lives.
 unsafe fn chained_features<'a>(
     info: &vk::DeviceCreateInfo<'_>,
 ) -> Option<&'a mut vk::PhysicalDeviceFeatures> {

@@ -23,7 +23,7 @@ pub(super) fn hook<L: Counting>(name: &CStr) -> vk::PFN_vkVoidFunction {
     None
 }
 
-/// A pass begins by `call`; `why_not` says why it cannot be counted.
+/// A pass begins by `call`; `why_not` is the reason if it cannot be counted.
 ///
 /// # Safety
 ///

@@ -7,7 +7,7 @@ use ash::vk::Handle;
 use std::ffi::{CStr, c_void};
 use std::mem::transmute;
 
-/// Key that tells calls of a function apart.
+/// Key that distinguishes calls of a function.
 macro_rules! mark {
     () => {
         0
@@ -18,7 +18,7 @@ macro_rules! mark {
 }
 
 /// Each line is a function, its type, its arguments, and, if a failing one has to write its handles, their count and place; then the handle
-/// that tells calls on one thread apart.
+/// that distinguishes calls on one thread.
 macro_rules! functions {
     ($($name:literal $pfn:ident $function:ident($object:ident: $kind:ty $(, $argument:ident: $ty:ty)*)
         $(nulls $count:block)? $(told_by $mark:ident)?;)*) => {

@@ -1,4 +1,4 @@
-//! A stand-in for VK_EXT_memory_budget, where [`BUDGET_VARIABLE`] says what it tells; without that, the driver answers.
+//! A stand-in for VK_EXT_memory_budget, with the remaining memory of [`BUDGET_VARIABLE`]; without the variable, the driver answers.
 
 use super::{BUDGET_VARIABLE, Live};
 use crate::layer::{hooks, instance_of};

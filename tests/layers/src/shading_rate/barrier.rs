@@ -283,7 +283,7 @@ macro_rules! masks_of {
 impl<'a> Dependency<'a> {
     /// # Safety
     ///
-    /// `info` and what it points to are valid.
+    /// `info` and everything it points to are valid.
     unsafe fn lower(
         emulator: &Emulator,
         buffer: vk::CommandBuffer,

@@ -55,7 +55,7 @@ impl LeftOut {
     ///
     /// # Safety
     ///
-    /// `first` is a valid structure with a chain, nobody else uses them, and they live longer than this.
+    /// `first` is a valid structure with a chain, no other code uses them, and they live longer than this.
     pub unsafe fn leave_out<T>(&mut self, first: *mut T, s_type: vk::StructureType) {
         let mut at: *mut vk::BaseOutStructure<'static> = first.cast();
         // SAFETY: the caller vouches for the chain, and that it lives until it is put back.

@@ -23,7 +23,7 @@ const KIND: &str = "device";
 
 /// # Safety
 ///
-/// The handle is live; `info` is a valid structure, whose chain nobody else uses during the call.
+/// The handle is live; `info` is a valid structure, whose chain no other code uses during the call.
 pub(super) unsafe fn create(
     instance: &Instance,
     physical_device: vk::PhysicalDevice,

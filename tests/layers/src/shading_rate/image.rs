@@ -27,7 +27,7 @@ impl Image {
 pub(super) struct View {
     pub image: vk::Image,
     pub format: vk::Format,
-    /// Of the image, or fewer if the view says so; none if the image is not known.
+    /// Usage of the image, or the view's own subset of it; None if the image is unknown.
     pub usage: Option<vk::ImageUsageFlags>,
     pub range: Range,
     /// Of its level.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// The variable with the file to which the lines, each a [`ShadingRateLine`], are appended.
 pub const SHADING_RATE_FILE_VARIABLE: &str = "PARAFOVEA_TEST_SHADING_RATE_FILE";
 
-/// The variable that, set to 1, has the texels of every map written; without it, those of small ones.
+/// The variable that, set to 1, has the texels of every map written; without it, only the texels of small maps.
 pub const SHADING_RATE_TEXELS_VARIABLE: &str = "PARAFOVEA_TEST_SHADING_RATE_TEXELS";
 
 /// A line of the file.
@@ -45,7 +45,7 @@ pub struct ShadingRatePass {
     pub layers: u32,
     /// The views of multiview, 0 without.
     pub view_mask: u32,
-    /// Formats of the colour attachments, of a render pass those of its first subpass.
+    /// Formats of the colour attachments; in a render pass, of its first subpass.
     pub formats: Vec<String>,
     /// Their images.
     pub targets: Vec<String>,

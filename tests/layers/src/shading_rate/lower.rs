@@ -2,7 +2,7 @@
 //!
 //! The rate stage becomes the fragment shader, the rate layout becomes GENERAL: a pass's read of its rate image
 //! is then a read that this layer adds ahead of it (`capture`), ordered with the fragment shader stage, and
-//! validation below sees what the application forgot.
+//! validation below reports the application's missing barriers.
 
 use ash::vk;
 

@@ -5,7 +5,7 @@ use super::profile::ShadingRateProfile;
 use ash::vk;
 use std::collections::BTreeMap;
 
-/// Up to how many texels are written without being asked for.
+/// Most texels of a map that are written without [`SHADING_RATE_TEXELS_VARIABLE`].
 const SMALL: usize = 1024;
 
 /// A map's copy, and the part of it that lies under a render area.

@@ -128,7 +128,7 @@ unsafe extern "system" fn features2(
     }
 }
 
-/// Whether the device says that it is no CPU.
+/// Whether the device reports that it is a discrete GPU.
 fn is_gpu() -> bool {
     std::env::var_os(SHADING_RATE_GPU_VARIABLE).is_some_and(|value| value == "1")
 }

@@ -73,7 +73,7 @@ pub(super) unsafe extern "system" fn create(
     }
 }
 
-/// The flags that count: those of VkPipelineCreateFlags2CreateInfoKHR, where it is chained.
+/// Effective flags: VkPipelineCreateFlags2CreateInfoKHR's if it is chained.
 ///
 /// # Safety
 ///

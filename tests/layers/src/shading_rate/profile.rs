@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 /// The variable with the name of a [`ShadingRateProfile`]; without it, the layer is `nvk-turing`.
 pub const SHADING_RATE_PROFILE_VARIABLE: &str = "PARAFOVEA_TEST_SHADING_RATE_PROFILE";
 
-/// The variable that, set to 1, has the device say that it is a discrete GPU, whatever it is.
+/// The variable that, set to 1, has any device report that it is a discrete GPU.
 pub const SHADING_RATE_GPU_VARIABLE: &str = "PARAFOVEA_TEST_SHADING_RATE_GPU";
 
 /// A device that the layer can look like.

@@ -57,7 +57,7 @@ pub(super) struct Rate {
 }
 
 impl Default for Rate {
-    /// That of a pipeline which says nothing.
+    /// Rate of a pipeline without a rate state.
     fn default() -> Self {
         let size = vk::Extent2D { width: 1, height: 1 };
         Self { size, combiners: [vk::FragmentShadingRateCombinerOpKHR::KEEP; 2] }

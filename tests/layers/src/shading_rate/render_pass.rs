@@ -145,7 +145,7 @@ pub(super) unsafe extern "system" fn create2(
     }
 }
 
-/// The masks of a dependency; those of a chained VkMemoryBarrier2 are the ones that count.
+/// The masks of a dependency; a chained VkMemoryBarrier2's take precedence.
 ///
 /// # Safety
 ///
@@ -187,7 +187,7 @@ unsafe fn rate_of(subpass: &vk::SubpassDescription2<'_>) -> Option<(RateAttachme
 
 /// # Safety
 ///
-/// The structure and what it points to are valid.
+/// The structure and everything it points to are valid.
 unsafe fn describe(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
     // SAFETY: the caller vouches for it.
     unsafe {
@@ -224,7 +224,7 @@ unsafe fn describe(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
 
 /// # Safety
 ///
-/// The structure and what it points to are valid.
+/// The structure and everything it points to are valid.
 unsafe fn check(
     emulator: &Emulator,
     findings: &mut Findings,

@@ -61,7 +61,7 @@ fn executed(state: &mut State, buffer: vk::CommandBuffer, to: &mut InFlight) {
 ///
 /// # Safety
 ///
-/// `queue` is live and nobody else uses it; `buffers` are what is submitted.
+/// `queue` is live and no other code uses it; `buffers` are the submitted ones.
 unsafe fn submitted(
     emulator: &Emulator,
     queue: vk::Queue,

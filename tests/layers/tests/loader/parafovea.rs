@@ -81,7 +81,7 @@ fn manifest_explicit() -> String {
     manifest.to_string()
 }
 
-/// The layers of a process, from the application down, as the loader says.
+/// The layers of a process, from the application down, from the loader's output.
 fn order(ended: &Ended) -> Vec<String> {
     let chain = ended.output.split_once("<Application>").unwrap().1;
     let chain = chain.split_once("<Drivers>").unwrap().0;

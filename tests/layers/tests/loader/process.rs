@@ -52,13 +52,13 @@ impl Process {
         Self { folder, command, layers: Vec::new() }
     }
 
-    /// Puts a layer below those that are there.
+    /// Puts a layer below the existing ones.
     pub fn layer(mut self, name: impl Into<String>) -> Self {
         self.layers.push(name.into());
         self
     }
 
-    /// Puts the validation layer below those that are there.
+    /// Puts the validation layer below the existing ones.
     pub fn validated(self) -> Self {
         let settings_file = self.path("vk_layer_settings.txt");
         std::fs::write(&settings_file, settings(&self.path("validation.txt"))).unwrap();

@@ -1,5 +1,5 @@
-//! `shading_rate` has nothing to say to a program that uses the extension rightly, nor has validation below it,
-//! and it finds each thing that is broken, by its rule.
+//! `shading_rate` and validation below it report nothing for a program that uses the extension correctly;
+//! `shading_rate` finds each broken rule.
 
 mod broken;
 
@@ -31,7 +31,7 @@ fn lines(ended: &Ended) -> (Vec<ShadingRateFinding>, Vec<ShadingRatePass>) {
     (findings, passes)
 }
 
-/// Every form on every device: no findings, no messages, and the maps are those that the program wrote.
+/// Every form on every device: no findings, no messages, and the maps equal the program's.
 fn is_right(form: &str) {
     for profile in ShadingRateProfile::ALL {
         let ended = program(profile, form, "").validated().run();

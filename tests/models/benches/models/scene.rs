@@ -95,7 +95,7 @@ fn eye_map(eye: u32) -> EyeMap {
     map
 }
 
-/// Images 0 and 1 are those of a swapchain for each eye.
+/// Images 0 and 1 belong to a swapchain for each eye.
 fn describe(image: ImageKey) -> Option<ImageDescription> {
     Some(ImageDescription {
         key: image,

@@ -38,8 +38,8 @@ impl fmt::Display for Feature {
 pub struct Fit {
     /// All >= 0.
     pub coefficients: Coefficients,
-    /// Whether a, b, c and d were held at 0 by their constraint. One that is held says that the study contradicts its rule
-    /// (paper A, section 4.1.2): with b held, higher sounds were not liked less.
+    /// Whether a, b, c and d were held at 0 by their constraint. If one is held, the study contradicts its rule (paper A,
+    /// section 4.1.2): with b held, higher sounds were not liked less.
     pub held_at_zero: [bool; UNKNOWNS],
     /// Root of the mean squared difference between score and prediction, in scores.
     pub rmse: f32,
@@ -89,7 +89,7 @@ fn list(features: &[Feature]) -> String {
 }
 
 /// Eq. 13: the coefficients >= 0 that predict the scores best. Entries with identical features are averaged first
-/// (Algorithm 1, line 8), whatever their order.
+/// (Algorithm 1, line 8), in any order.
 ///
 /// Computed in double precision.
 ///

@@ -5,7 +5,7 @@
 //! unknowns have 16 sets, so all are tried: no iteration, and no tolerance that decides when to stop.
 
 /// A column of which the others leave less than this part counts as dependent on them. Features are f32, with seven
-/// digits: what varies by less is rounding, and would be blown up to coefficients.
+/// digits: smaller variations are rounding, which the fit would amplify to coefficients.
 const DEPENDENT: f64 = 1e-6;
 
 /// The solution of a least squares problem.
@@ -74,7 +74,7 @@ impl<const N: usize> Default for Orthogonal<N> {
 }
 
 impl<const N: usize> Orthogonal<N> {
-    /// Takes one more column; not, and says so, if it depends on those before it or is not finite.
+    /// Takes one more column; returns false, without it, if it depends on the columns before it or is not finite.
     fn add(&mut self, rows: &[[f64; N]], column: usize) -> bool {
         let mut vector: Vec<f64> = rows.iter().map(|row| row[column]).collect();
         let whole = dot(&vector, &vector).sqrt();

@@ -38,7 +38,7 @@ impl Follower for Unfiltered {
 pub struct OneEuro {
     /// Cut-off at rest, Hz.
     pub least_hz: f64,
-    /// By how much it rises with speed, Hz for a degree a second.
+    /// Slope of the cut-off over speed, Hz for a degree a second.
     pub beta: f64,
     /// Cut-off of the speed itself, Hz.
     pub speed_hz: f64,
@@ -46,8 +46,8 @@ pub struct OneEuro {
     turn: Vec3,
 }
 
-/// The parameters of [`OneEuro::new`] that give the least mean area at 99 % hits on [`super::TUNING_SEEDS`], of those that the
-/// example `tune_one_euro` tries: least cut-off, beta, cut-off of the speed.
+/// Parameters of [`OneEuro::new`] with the least mean area at 99 % hits on [`super::TUNING_SEEDS`] in the example
+/// `tune_one_euro`: least cut-off, beta, cut-off of the speed.
 pub const TUNED: [f64; 3] = [16.0, 2.0, 1.0];
 
 impl OneEuro {

@@ -104,7 +104,7 @@ impl EyePath {
         Self { looks, shapes, blinks: blinks(&mut Random::new(seed, 2), duration_s) }
     }
 
-    /// The eyes rest on one thing, far away and straight ahead.
+    /// The eyes rest on one distant thing at the centre of the view.
     pub fn resting(duration_s: f64) -> Self {
         let (from, turn) = (DVec3::NEG_Z, DVec3::ZERO);
         let look = Look { start_s: 0.0, end_s: duration_s, from, turn, distance_m: f64::INFINITY };
@@ -194,7 +194,7 @@ impl EyePath {
     }
 }
 
-/// Something to look at next: where, how it moves, how far away, and for how long.
+/// The next target: direction, angular velocity, distance, and duration of the look.
 fn next_target(random: &mut Random, leaves: DVec3) -> (DVec3, DVec3, f64, f64) {
     let distance_m = DISTANCES_M[random.within(0.0, 4.0) as usize % 4];
     let moves = random.chance(0.3);
@@ -227,7 +227,7 @@ fn blinks(random: &mut Random, duration_s: f64) -> Vec<Range<f64>> {
     blinks
 }
 
-/// A direction, turned by an angle in degrees to where `around` (radians) says.
+/// A direction, turned by an angle in degrees; `around` is the heading, radians from the right towards up.
 pub fn turned(direction: DVec3, around: f64, angle_deg: f64) -> DVec3 {
     let (right, up) = direction.any_orthonormal_pair();
     let across = right * around.cos() + up * around.sin();

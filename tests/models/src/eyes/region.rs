@@ -9,7 +9,7 @@ use parafovea_core::plan::SafetySettings;
 pub struct Region {
     /// Unit vectors.
     pub centres: [Vec3; 2],
-    /// By how much the radius is larger than its base, degrees.
+    /// Increase of the radius over its base, degrees.
     pub inflation_deg: f64,
 }
 

@@ -89,7 +89,7 @@ struct Moment {
     error_deg: f64,
     /// Index in [`DISTANCES_M`](super::path::DISTANCES_M).
     distance: usize,
-    /// Whether it is so soon after the landing that no sample can have told of it.
+    /// Whether it is too soon after the landing for any sample to show it.
     early: bool,
 }
 
@@ -139,7 +139,7 @@ impl Score {
         share(self.due().filter(|moment| moment.distance == distance).map(|moment| radius.holds(moment)))
     }
 
-    /// The same from the moment of landing on, before any sample can have told of it.
+    /// The same from the moment of landing on, before any sample can show it.
     pub fn hits_from_landing(&self, radius: Radius) -> f64 {
         share(self.moments.iter().map(|moment| radius.holds(moment)))
     }

@@ -8,7 +8,7 @@ use parafovea_core::gaze::GazeSample;
 /// From the eye to the first image that can be made with a sample, seconds.
 pub const LATENCY_S: f64 = 0.05;
 
-/// By how much the tracker is off in one fixation, degrees, in a direction that differs from each to the next.
+/// Error of the tracker in one fixation, degrees, in a direction that differs from fixation to fixation.
 const BIAS_DEG: f64 = 1.1;
 
 /// Standard deviation of each sample along either axis, degrees.
@@ -19,7 +19,7 @@ const JITTER_DEG: f64 = 0.3;
 pub struct TrackerModel {
     /// Samples a second.
     pub rate_hz: f64,
-    /// Whether it tells when a sample was taken.
+    /// Whether it reports the times of samples.
     pub tells_time: bool,
 }
 
@@ -28,7 +28,7 @@ pub struct TrackerModel {
 pub struct TrackerErrors {
     /// From the eye to the first image that can be made with a sample, seconds.
     pub latency_s: f64,
-    /// By how much it is off in one fixation, degrees, in a direction that differs from each to the next.
+    /// Error in one fixation, degrees, in a direction that differs from fixation to fixation.
     pub bias_deg: f64,
     /// Standard deviation of each sample along either axis, degrees.
     pub jitter_deg: f64,
@@ -48,9 +48,9 @@ impl Default for TrackerErrors {
 /// One sample, and when it is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Report {
-    /// The sample, at the time when it was taken; at time 0 where that is not told.
+    /// The sample, with its time; with time 0 if the tracker does not report it.
     pub sample: GazeSample,
-    /// From when on images can be made with it, seconds.
+    /// Time from which images can be made with it, seconds.
     pub known_s: f64,
 }
 

@@ -27,7 +27,7 @@ fn sample(direction: Vec3, time_ns: i64) -> GazeSample {
     GazeSample { directions: [direction; 2], time_ns, valid: true }
 }
 
-/// A tracker after a second of fixation straight ahead, a sample each 10 ms, the last of them at `end`.
+/// A tracker after a second of fixation at the centre of the view, a sample each 10 ms, the last of them at `end`.
 fn fixating(end: i64) -> GazeTracker {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     for i in (0..100).rev() {

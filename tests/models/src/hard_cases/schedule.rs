@@ -40,7 +40,7 @@ fn caps() -> Vec<Case> {
     cases
 }
 
-/// Largest and smallest period of the cells that a view straight ahead shows.
+/// Largest and smallest period of the cells in a forward view.
 fn periods(gaze: Vec3) -> String {
     let mut ages = CellAges::new();
     ages.advance(&slowest(Phase::Aligned), 0, [gaze; 2]);
@@ -59,7 +59,7 @@ fn slowest(phase: Phase) -> Schedule {
     Schedule { configuration: UpdateConfiguration::F12345, phase, ..Schedule::default() }
 }
 
-/// A square view of 86 degrees straight ahead.
+/// A square forward view of 86 degrees.
 fn view(side: u32) -> TileCells {
     let plane = Fov { left: -0.75, right: 0.75, up: 0.75, down: -0.75 }.tangents().plane([side; 2]);
     let mut tiles = TileCells::default();

@@ -1,6 +1,6 @@
-//! Errors of the tracker before it predicted where the eyes are, from the committed table.
+//! Errors of the tracker before it predicted the gaze, from the committed table.
 
-/// The table, whose columns are those of [`super::table`].
+/// The table, with the columns of [`super::table`].
 const TABLE: &str = include_str!("../../../baselines/gaze.md");
 
 /// A line of it, degrees.
@@ -10,7 +10,7 @@ pub struct Before {
     pub rate_hz: f64,
     /// From the eye to the image, milliseconds.
     pub delay_ms: f64,
-    /// Mean error of the newest sample around saccades: the eye movements are those of the table only if it is the same.
+    /// Mean error of the newest sample around saccades: if it differs, so do the eye movements.
     pub newest_sample_deg: f64,
     /// Mean errors of the tracker, in the order of [`super::Frames::ALL`].
     pub tracker_deg: [f64; 4],

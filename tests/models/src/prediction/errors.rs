@@ -26,7 +26,7 @@ const WARM_UP_S: f64 = 1.0;
 /// Standard deviation of a sample along either axis, degrees: as of the tracker of [`crate::eyes`].
 const NOISE_DEG: f64 = 0.3;
 
-/// A sample tells of a saccade that began so long before it, seconds: a fifth of the way, with noise.
+/// Time from the start of a saccade to the first sample that shows it, seconds: a fifth of the way, with noise.
 const TOLD_S: f64 = 0.01;
 
 /// Frames of a mean error.

@@ -1,5 +1,5 @@
-//! Eye movements with known truth: fixations with drift, pursuit and saccades of 1 to 20 degrees, with statistics like those of recordings
-//! of free viewing and reading (GazeBase, Griffith et al. 2021).
+//! Eye movements with known truth: fixations with drift, pursuit and saccades of 1 to 20 degrees, with the statistics of recordings of
+//! free viewing and reading (GazeBase, Griffith et al. 2021).
 //!
 //! The saccades have the waveforms of two models, neither of which is the predictor's: the sum of two soft ramps (Dai et al. 2016, A
 //! parametric model for saccadic eye movement), which is symmetric, and the gamma function (van Opstal and van Gisbergen 1987), which is
@@ -25,7 +25,7 @@ const REACH_DEG: f64 = 22.0;
 /// Diffusion of the eyes in a fixation, square degrees a second: 40 square minutes of arc (Kuang et al. 2012).
 const DIFFUSION_DEG2_S: f64 = 40.0 / 3600.0;
 
-/// For how long after a landing a frame is around a saccade, seconds.
+/// Time after a landing for which frames count as around a saccade, seconds.
 const AFTER_S: f64 = 0.1;
 
 /// State of the eyes at a moment.

@@ -8,7 +8,7 @@ pub fn eccentricity(a: DVec3, b: DVec3) -> f64 {
     2.0 * (a - b).length().atan2((a + b).length())
 }
 
-/// Tangents of a field of view, and how many pixels it has.
+/// Tangents and pixels of a field of view.
 #[derive(Clone, Copy, Debug)]
 pub struct Image {
     /// Left, right, up, down.

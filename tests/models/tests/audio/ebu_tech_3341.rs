@@ -112,8 +112,8 @@ fn case_12_momentary_window() {
     }
 }
 
-/// Momentary loudness every 20 ms, which the two cases below ask for with their delays of 20 ms: the readings of five
-/// meters, of which each began 20 ms after the one before. Those of one alone, every 100 ms, are up to 0.6 LU less.
+/// Momentary loudness every 20 ms, as the two cases below require with their delays of 20 ms: the readings of five
+/// meters, each started 20 ms after the one before. The readings of one alone, every 100 ms, are up to 0.6 LU lower.
 fn dense_momentary(samples: &[f32]) -> Vec<f64> {
     let mut dense = Vec::new();
     for phase in 0..5 {

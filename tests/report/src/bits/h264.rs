@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// From fine to small: those that the standard's own comparisons use.
+/// Quantisers from fine to small, as in the standard's own comparisons.
 pub const QUANTISERS: [u8; 4] = [22, 27, 32, 37];
 
 /// Whether the system has it.

@@ -11,7 +11,7 @@ use std::path::Path;
 /// The variable with the file to which the layer writes maps.
 const VARIABLE: &str = "PARAFOVEA_PASSES_FILE";
 
-/// Colours of 1, 1/2, 1/4, 1/8 and 1/16 invocations per pixel: light to dark, told apart by the colour-blind too.
+/// Colours of 1, 1/2, 1/4, 1/8 and 1/16 invocations per pixel: light to dark, safe for the colour-blind.
 const COLOURS: [[u8; 4]; 5] =
     [[250, 231, 85, 255], [122, 209, 81, 255], [34, 168, 132, 255], [42, 120, 142, 255], [65, 68, 135, 255]];
 

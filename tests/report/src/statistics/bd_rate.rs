@@ -24,8 +24,8 @@ pub enum BdRateError {
     Apart,
 }
 
-/// By how much `test` needs more bits than `reference` in the mean over the qualities that both have: -0.1 for a tenth
-/// less. The logarithm of the bits of each is a cubic of the quality through its four points.
+/// Relative increase of the bits from `reference` to `test`, in the mean over the qualities that both have: -0.1 for a
+/// tenth less. The logarithm of the bits of each is a cubic of the quality through its four points.
 ///
 /// # Errors
 /// [`BdRateError`].

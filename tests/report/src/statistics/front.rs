@@ -9,8 +9,8 @@ pub struct CostAndLoss {
     pub loss: f64,
 }
 
-/// The indices of those of `points` that no other beats: each other one costs more or loses more. In ascending order of cost, and so in
-/// descending order of loss. Of equal ones the first counts; what has a NaN is left out.
+/// Indices of the `points` on the Pareto front: every other point costs more or loses more. In ascending order of cost, and so in
+/// descending order of loss. Of equal ones the first counts; points with a NaN are left out.
 pub fn front(points: &[CostAndLoss]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len())
         .filter(|&index| !(points[index].cost.is_nan() || points[index].loss.is_nan()))
@@ -39,8 +39,8 @@ pub enum AtCost {
     },
 }
 
-/// The least that a sweep loses where it may cost `cost`: that of its [`front`], between two points on a line over the
-/// logarithm of the cost, and for more than the dearest costs that of the dearest, as nobody need spend more. None without points.
+/// Least loss of a sweep at a cost of at most `cost`: that of its [`front`], interpolated linearly over the logarithm of the cost;
+/// beyond the most expensive point, the loss of that point. None without points.
 pub fn loss_at(points: &[CostAndLoss], cost: f64) -> Option<AtCost> {
     let front = front(points);
     let (first, last) = (points[*front.first()?], points[*front.last()?]);

@@ -1,4 +1,4 @@
-//! Results that nobody measured.
+//! Made-up results.
 
 use parafovea_errors::RINGS;
 use parafovea_errors::fvvdp::Differences;

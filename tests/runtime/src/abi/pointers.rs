@@ -272,7 +272,7 @@ fn inner_array<'a, T>(name: &str, count: u32, first: *mut T) -> Result<&'a mut [
     Ok(unsafe { std::slice::from_raw_parts_mut(first, count as usize) })
 }
 
-/// An array parameter of the two-call idiom: capacity, count to be told, and the array.
+/// An array parameter of the two-call idiom: capacity, returned count, and the array.
 pub(crate) struct List<T> {
     pub capacity: u32,
     pub count: Out<u32>,
@@ -280,7 +280,7 @@ pub(crate) struct List<T> {
 }
 
 impl<T: Copy> List<T> {
-    /// Tells the count and, where a capacity is given, stores the items.
+    /// Stores the count and, if a capacity is given, the items.
     pub fn fill(self, name: &str, items: &[T]) -> Result<(), Fault> {
         if self.announce(name, items.len())? { self.items.set_all(name, items) } else { Ok(()) }
     }

@@ -1,4 +1,4 @@
-//! Haptics: checked, and felt by nobody.
+//! Haptics: checked, without any output.
 
 use super::check_action;
 use crate::abi::pointers::In;

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Default)]
 pub(crate) struct InputState {
     pub(super) attachment: Option<Attachment>,
-    /// Whether the application was told the interaction profiles.
+    /// Whether the event of the interaction profiles was sent.
     pub(super) announced: bool,
     /// Values of the newest `xrSyncActions`, by action and subaction path.
     pub(super) states: BTreeMap<(u64, xr::Path), State>,
@@ -112,7 +112,7 @@ fn check(runtime: &Runtime, session: xr::Session, active: &xr::ActiveActionSet) 
     Err(Fault::new(xr::Result::ERROR_PATH_UNSUPPORTED, section::SYNC, message))
 }
 
-/// Bindings of the active sets, less those whose source a set of higher priority takes (OpenXR, "Action Sets").
+/// Bindings of the active sets, without bindings whose source a set of higher priority takes (OpenXR, "Action Sets").
 fn active_bindings(
     runtime: &Runtime,
     session: xr::Session,
@@ -193,7 +193,7 @@ fn reading(runtime: &Runtime, source: &str, now: i64) -> Option<[f32; 2]> {
     Some(scripted.unwrap_or_default())
 }
 
-/// Tells the application, once, which profiles it got.
+/// Sends the event of the interaction profiles to the application, once.
 fn announce(runtime: &mut Runtime, handle: xr::Session) -> Result<(), Fault> {
     let session = runtime.sessions.get_mut(handle)?;
     let has_profiles =

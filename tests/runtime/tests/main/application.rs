@@ -278,7 +278,7 @@ impl Application {
         (result == xr::Result::SUCCESS).then_some(buffer)
     }
 
-    /// The states that events tell of, until there are none.
+    /// States of the pending events.
     pub fn states(&self) -> Vec<xr::SessionState> {
         let mut states = Vec::new();
         while let Some(event) = self.poll() {

@@ -103,7 +103,7 @@ khronos_validation.log_filename = ";
 
 const VALIDATION_LOG: &str = "validation.log";
 
-/// Fails where the Vulkan validation layer, if it is installed, had anything to say.
+/// Fails if the Vulkan validation layer is installed and printed messages.
 pub fn check_validation(folder: &Path) -> Result<(), Failed> {
     match std::fs::read_to_string(folder.join(VALIDATION_LOG)) {
         Ok(log) if !log.trim().is_empty() => Err(log.into()),

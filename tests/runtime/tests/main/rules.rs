@@ -23,7 +23,7 @@ const SUCCESS: xr::Result = xr::Result::SUCCESS;
 const SIMPLE: &str = "/interaction_profiles/khr/simple_controller";
 const SELECT: &str = "/user/hand/left/input/select/click";
 
-/// The rules: a name, how far the application comes, the mistake, the call that fails, how, and whose rule it is.
+/// The rules: a name, the application's state, the mistake, the failing call, its result, and the section of the rule.
 #[rustfmt::skip]
 const RULES: &[(&str, Start, Make, &str, xr::Result, &str)] = &[
     // Instances.

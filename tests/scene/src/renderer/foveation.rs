@@ -316,7 +316,7 @@ impl Foveator {
         draw_views(&mut recording, &image.template_group, views.iter().map(|(_, rect)| *rect));
     }
 
-    /// Records the commands after the scene: fills skipped texels. `texture` and its `layer` are what `colour` shows.
+    /// Records the commands after the scene: fills skipped texels. `colour` is a view of `texture` and its `layer`.
     pub fn finish(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -50,7 +50,7 @@ pub struct Pipelines {
 }
 
 impl Pipelines {
-    /// The pipelines of the courtyard, or those of a scene with this environment.
+    /// The pipelines of the courtyard, or of a scene with this environment.
     pub fn new(
         device: &wgpu::Device,
         format: wgpu::TextureFormat,

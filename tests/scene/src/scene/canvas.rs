@@ -5,7 +5,7 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 
 use super::texture::{Encoding, Texture};
 
-/// An sRGB picture that is being drawn. What lies outside is left out.
+/// An sRGB picture that is being drawn. Parts outside of it are clipped.
 #[derive(Clone, Debug)]
 pub struct Canvas {
     size: [u32; 2],

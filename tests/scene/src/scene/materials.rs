@@ -7,7 +7,7 @@ use super::noise::{fractal, hash, value};
 use super::text;
 use super::texture::{Encoding, Texture};
 
-/// Material of a surface. In all but [`Material::is_leafy`] ones, alpha of the albedo is 1 for what reflects as glass or paint does, and 0
+/// Material of a surface. In all but [`Material::is_leafy`] ones, alpha of the albedo is 1 for dielectrics such as glass or paint, and 0
 /// for bare metal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Material {

@@ -45,7 +45,7 @@ impl Sound {
     /// The sound as a WAV file.
     ///
     /// # Errors
-    /// Those of [`Self::samples`], and those of writing.
+    /// Errors of [`Self::samples`] and of writing.
     pub fn write_wav(&self, to: impl Write + Seek) -> Result<()> {
         let spec = hound::WavSpec {
             channels: 2,
@@ -64,14 +64,14 @@ impl Sound {
     /// The bytes of the WAV file.
     ///
     /// # Errors
-    /// Those of [`Self::write_wav`].
+    /// Errors of [`Self::write_wav`].
     pub fn wav(&self) -> Result<Vec<u8>> {
         let mut file = Cursor::new(Vec::new());
         self.write_wav(&mut file)?;
         Ok(file.into_inner())
     }
 
-    /// The sound at whatever loudness its parts add up to.
+    /// The sound at the loudness of its parts' sum.
     fn mix(&self) -> Vec<f32> {
         let mut mix = Mix::new((DURATION_S * f64::from(RATE_HZ)) as usize);
         match self.scene {

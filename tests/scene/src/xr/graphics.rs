@@ -76,7 +76,7 @@ impl Graphics {
     /// Creates a session on this device, which it keeps alive.
     ///
     /// # Errors
-    /// Those of xrCreateSession.
+    /// Errors of xrCreateSession.
     pub fn create_session(
         &self,
         instance: &xr::Instance,

@@ -16,7 +16,7 @@ struct Eyes {
     action: xr::Action<xr::Posef>,
     gaze: xr::Space,
     view: xr::Space,
-    /// In VIEW; the last that was tracked, so that a blink changes nothing. Straight ahead before the first.
+    /// Last tracked direction in VIEW, so that a blink changes nothing; the centre of the view before the first.
     direction: Vec3,
 }
 
@@ -25,7 +25,7 @@ impl Input {
     /// `with_eyes`, which needs XR_EXT_eye_gaze_interaction.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn attach(
         instance: &xr::Instance,
         session: &xr::Session<xr::Vulkan>,
@@ -66,7 +66,7 @@ impl Input {
     /// The direction of the gaze in a space at a time, if the runtime knows at least how the head is turned.
     ///
     /// # Errors
-    /// Those of xrGetActionStatePose and xrLocateSpace.
+    /// Errors of xrGetActionStatePose and xrLocateSpace.
     pub fn gaze(
         &mut self,
         session: &xr::Session<xr::Vulkan>,
@@ -85,7 +85,7 @@ impl Input {
     /// Whether the menu button has just been pressed.
     ///
     /// # Errors
-    /// Those of xrSyncActions and xrGetActionStateBoolean.
+    /// Errors of xrSyncActions and xrGetActionStateBoolean.
     pub fn wants_to_quit(&self, session: &xr::Session<xr::Vulkan>) -> Result<bool> {
         session.sync_actions(&[xr::ActiveActionSet::new(&self.set)])?;
         let state = self.quit.state(session, xr::Path::NULL)?;

@@ -47,7 +47,7 @@ impl Arrangement {
 enum Depth {
     /// Buffers of our own by swapchain and layer.
     Kept(Vec<Vec<wgpu::TextureView>>),
-    /// Swapchains beside those of colour.
+    /// Swapchains beside the colour ones.
     Submitted(Vec<Swapchain>),
 }
 
@@ -67,10 +67,10 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// Makes the swapchains for eyes of `size` texels, with such for depth if the options say so.
+    /// Makes the swapchains for eyes of `size` texels, and swapchains for depth if the options require them.
     ///
     /// # Errors
-    /// Those of xrCreateSwapchain.
+    /// Errors of xrCreateSwapchain.
     pub fn new(
         session: &xr::Session<xr::Vulkan>,
         (device, queue): (&wgpu::Device, &wgpu::Queue),
@@ -113,7 +113,7 @@ impl Projection {
     /// Takes the next image of each swapchain.
     ///
     /// # Errors
-    /// Those of [`Swapchain::acquire`].
+    /// Errors of [`Swapchain::acquire`].
     pub fn acquire(&mut self) -> Result<()> {
         self.swapchains().try_for_each(Swapchain::acquire)
     }
@@ -121,7 +121,7 @@ impl Projection {
     /// Gives the images back.
     ///
     /// # Errors
-    /// Those of [`Swapchain::release`].
+    /// Errors of [`Swapchain::release`].
     pub fn release(&mut self) -> Result<()> {
         self.swapchains().try_for_each(Swapchain::release)
     }
@@ -186,8 +186,8 @@ impl Projection {
         self.slots.iter().map(info).collect()
     }
 
-    /// The views of the projection layer, as the eyes were when they were drawn. `depths` is what
-    /// [`Self::depth_infos`] gave.
+    /// The views of the projection layer, with the eyes' poses at which they were drawn. `depths` is the result of
+    /// [`Self::depth_infos`].
     pub fn layer_views<'a>(
         &'a self,
         views: &[xr::View],

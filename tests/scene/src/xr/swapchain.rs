@@ -62,7 +62,7 @@ impl Swapchain {
     /// images can be copied from.
     ///
     /// # Errors
-    /// Those of xrCreateSwapchain.
+    /// Errors of xrCreateSwapchain.
     pub fn new(
         session: &xr::Session<xr::Vulkan>,
         device: &wgpu::Device,
@@ -103,7 +103,7 @@ impl Swapchain {
     /// Takes the next image and waits until it may be drawn to.
     ///
     /// # Errors
-    /// Those of xrAcquireSwapchainImage and xrWaitSwapchainImage.
+    /// Errors of xrAcquireSwapchainImage and xrWaitSwapchainImage.
     pub fn acquire(&mut self) -> Result<()> {
         self.acquired = self.handle.acquire_image()? as usize;
         self.handle.wait_image(xr::Duration::INFINITE)?;
@@ -113,7 +113,7 @@ impl Swapchain {
     /// Gives the image back.
     ///
     /// # Errors
-    /// Those of xrReleaseSwapchainImage.
+    /// Errors of xrReleaseSwapchainImage.
     pub fn release(&mut self) -> Result<()> {
         Ok(self.handle.release_image()?)
     }

@@ -14,8 +14,8 @@ const TEXEL_BYTES: f64 = 2.0;
 /// Levels of the pyramid that are made of the level before, from the second one over the picture on.
 const LEVELS: [&str; 4] = ["level2", "level3", "level4", "level5"];
 
-/// Bands of which tiles have a contrast: each reads its level and the two above it. What two bands of a tile read counts twice: in
-/// between, all tiles that a GPU has at work read more than its caches hold.
+/// Bands of the contrast of tiles: each reads its level and the two above it. Texels that two bands of a tile read count twice: in
+/// between, the concurrent tiles of a GPU read more than its caches contain.
 const BANDS: usize = 4;
 
 /// One dispatch, copy or set of draws, which waits for the one before.

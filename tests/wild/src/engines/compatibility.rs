@@ -1,5 +1,5 @@
 //! Direct3D titles by DXVK and vkd3d-proton, and OpenVR titles by xrizer and OpenComposite: the swapchain is written by copies, and
-//! vkd3d-proton's descriptors are known to nobody.
+//! vkd3d-proton's descriptors are unknown.
 
 use crate::Arrangement;
 use crate::frame::{BYTES, DEPTH, Frame, HDR, Image, LDR, NORMALS, eye_of, rect_of};
@@ -65,7 +65,7 @@ pub(crate) fn dxvk_deferred(frame: &mut Frame<'_>, textures: &[Texture]) {
     draw_all_late(frame, textures);
 }
 
-/// A title whose images come anew from a pool in each frame.
+/// A title that takes its images from a pool in each frame.
 pub(crate) fn dxvk_pooled(frame: &mut Frame<'_>, textures: &[Texture]) {
     let sampled = draw_all(frame, textures);
     let size = frame.size();

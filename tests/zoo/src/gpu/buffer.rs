@@ -37,7 +37,7 @@ impl Gpu {
     /// Makes a buffer of so many bytes, and keeps it.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn buffer(&self, size: usize, usage: vk::BufferUsageFlags) -> Result<Buffer> {
         let address = if self.has_addresses {
             vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS

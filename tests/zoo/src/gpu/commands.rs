@@ -10,7 +10,7 @@ impl Gpu {
     /// Makes so many command buffers in a pool of their own, which is kept.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn command_buffers(
         &self,
         count: u32,
@@ -46,7 +46,7 @@ impl Gpu {
     /// Records a primary command buffer from its begin to its end.
     ///
     /// # Errors
-    /// Those of the calls and of `body`.
+    /// Errors of the calls and of `body`.
     pub fn record(
         &self,
         commands: vk::CommandBuffer,
@@ -161,7 +161,7 @@ impl Gpu {
         (self.frames.load(Ordering::Relaxed), begun.len())
     }
 
-    /// The passes of a frame, which ends: those that were begun since the last call.
+    /// Ends a frame, and returns its passes, which were begun since the last call.
     pub fn take_begun(&self) -> Vec<PassSeen> {
         self.frames.fetch_add(1, Ordering::Relaxed);
         std::mem::take(&mut *self.begun.lock().unwrap_or_else(std::sync::PoisonError::into_inner))

@@ -6,7 +6,7 @@ use ash::vk;
 use serde::{Deserialize, Serialize};
 use std::ffi::CStr;
 
-/// A Vulkan device, as it says of itself.
+/// A Vulkan device, by its own properties.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Device {
     /// Its name.
@@ -32,7 +32,7 @@ impl Gpu {
     /// All devices of the instance.
     ///
     /// # Errors
-    /// Those of the queries.
+    /// Errors of the queries.
     pub fn devices(&self) -> Result<Vec<Device>> {
         // SAFETY: the instance is live.
         let devices = unsafe { self.instance.enumerate_physical_devices() }?;

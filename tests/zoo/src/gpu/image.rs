@@ -104,7 +104,7 @@ impl Gpu {
     /// Makes an image with memory of its own and a view, and keeps them.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn image(&self, spec: &ImageSpec) -> Result<Image> {
         let info = vk::ImageCreateInfo::default()
             .flags(spec.flags)
@@ -138,7 +138,7 @@ impl Gpu {
     /// The same image with a new view by its description, for its usage alone. The caller destroys the view.
     ///
     /// # Errors
-    /// Those of vkCreateImageView.
+    /// Errors of vkCreateImageView.
     pub fn viewed(&self, image: &Image) -> Result<Image> {
         let view_type =
             if image.layers == 1 { vk::ImageViewType::TYPE_2D } else { vk::ImageViewType::TYPE_2D_ARRAY };

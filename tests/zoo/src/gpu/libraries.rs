@@ -11,7 +11,7 @@ impl Gpu {
     /// fragments come apart.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub(super) fn linked(
         &self,
         whole: vk::GraphicsPipelineCreateInfo,

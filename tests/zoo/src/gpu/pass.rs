@@ -1,6 +1,6 @@
 //! Render passes of one subpass: as VkRenderPass with VkFramebuffer, or with dynamic rendering.
 //!
-//! Whatever begins a pass notes it in [`Gpu::begun`], from what Vulkan is told.
+//! All code that begins a pass notes it in [`Gpu::begun`], with its parameters in Vulkan.
 
 mod order;
 
@@ -119,7 +119,7 @@ impl Gpu {
     /// Makes a pass, and keeps its objects.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn pass(&self, kind: Kind, spec: PassSpec) -> Result<Pass> {
         let render_pass =
             if kind == Kind::Dynamic { vk::RenderPass::null() } else { self.render_pass(&spec)? };
@@ -130,7 +130,7 @@ impl Gpu {
     /// Another pass of the same formats, loads and layouts as the one that `target` is of: it shares the render pass.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn pass_like(&self, kind: Kind, target: &Target, spec: PassSpec) -> Result<Pass> {
         let extent = spec.extent();
         let rates = self.rate_image(&spec, extent)?;
@@ -151,7 +151,7 @@ impl Gpu {
     /// Makes a framebuffer, which the caller destroys.
     ///
     /// # Errors
-    /// Those of vkCreateFramebuffer.
+    /// Errors of vkCreateFramebuffer.
     pub fn framebuffer(
         &self,
         render_pass: vk::RenderPass,

@@ -114,7 +114,7 @@ impl Gpu {
     /// Makes a graphics pipeline for the passes of `target`, and keeps it.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn pipeline(
         &self,
         spec: &PipelineSpec,
@@ -152,7 +152,7 @@ impl Gpu {
     /// Makes a compute pipeline, and keeps it.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn compute_pipeline(&self, shader: Shader, layout: vk::PipelineLayout) -> Result<vk::Pipeline> {
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)

@@ -47,7 +47,7 @@ const MOST_TEXELS: usize = 2 * 1024 * 1024;
 
 impl Rates {
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn new(gpu: &Gpu, used: RatesUse, file: RatesFile) -> Result<Self> {
         let mut offsets: HashMap<Vec<u8>, vk::DeviceSize> = HashMap::new();
         let (mut places, mut end) = (HashMap::new(), 0);
@@ -88,7 +88,7 @@ impl Gpu {
     /// The rate image of a pass of that size, where it has rates.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub(super) fn rate_image(&self, spec: &PassSpec, extent: [u32; 2]) -> Result<Option<Image>> {
         let Some(rates) = self.rates.as_ref().filter(|_| self.sets_rates(spec)) else { return Ok(None) };
         let tiles = [0, 1].map(|axis| extent[axis].div_ceil(rates.texel[axis]));
@@ -106,7 +106,7 @@ impl Gpu {
     /// An image for the map of passes of this size, which shaders read.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn look_image(&self, extent: [u32; 2]) -> Result<Image> {
         let texel = self.texel();
         let tiles = [extent[0].div_ceil(texel.width.max(1)), extent[1].div_ceil(texel.height.max(1))];
@@ -170,7 +170,7 @@ impl Gpu {
     /// Makes a render pass of one subpass, with a rate attachment behind all others.
     ///
     /// # Errors
-    /// Those of vkCreateRenderPass2.
+    /// Errors of vkCreateRenderPass2.
     pub(super) fn render_pass_with_rates(&self, spec: &PassSpec) -> Result<vk::RenderPass> {
         let rates = vk::AttachmentDescription2::default()
             .format(FORMAT)

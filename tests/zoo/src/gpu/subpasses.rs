@@ -31,7 +31,7 @@ impl Gpu {
     /// Makes one for each of `specs`, which differ in the images of `color` alone: they share the render pass.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn subpasses(&self, specs: &[SubpassesSpec]) -> Result<Vec<Subpasses>> {
         let Some(first) = specs.first() else { return Ok(Vec::new()) };
         let render_pass = self.two_subpasses(first)?;

@@ -88,7 +88,7 @@ impl Gpu {
     /// One layer of an image, with a view of its own, which is kept.
     ///
     /// # Errors
-    /// Those of vkCreateImageView.
+    /// Errors of vkCreateImageView.
     pub fn layer(&self, image: &Image, layer: u32) -> Result<Image> {
         let layer = self.viewed(&Image { base_layer: layer, layers: 1, levels: 1, ..*image })?;
         self.keep(Made::View(layer.view));
@@ -98,7 +98,7 @@ impl Gpu {
     /// Makes a semaphore, and keeps it.
     ///
     /// # Errors
-    /// Those of vkCreateSemaphore.
+    /// Errors of vkCreateSemaphore.
     pub fn semaphore(&self) -> Result<vk::Semaphore> {
         // SAFETY: the structure outlives the call.
         let semaphore = unsafe { self.device.create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }?;
@@ -109,7 +109,7 @@ impl Gpu {
     /// Submits a command buffer to the second queue, which signals a semaphore when it is done.
     ///
     /// # Errors
-    /// Those of vkQueueSubmit.
+    /// Errors of vkQueueSubmit.
     pub fn submit_aside(&self, commands: vk::CommandBuffer, done: vk::Semaphore) -> Result<()> {
         let (commands, done) = ([commands], [done]);
         let info = vk::SubmitInfo::default().command_buffers(&commands).signal_semaphores(&done);

@@ -59,7 +59,7 @@ impl Foliage {
     /// For passes of this target.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn new(app: &App, target: &Target) -> Result<Self> {
         let look = app.look.map(|look| anyhow::Ok((look, app.gpu.look_image(app.size)?)));
         let look: Option<(Look, Image)> = look.transpose()?;

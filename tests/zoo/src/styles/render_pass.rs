@@ -17,7 +17,7 @@ pub const STYLE: Style = Style {
     ..Style::PLAIN
 };
 
-/// A pass for each eye, told to Vulkan in one way or another, with pipelines that `change` alters.
+/// A pass for each eye, of the given kind, with pipelines that `change` alters.
 pub fn start<'a>(app: &'a App<'a>, kind: Kind, change: impl Fn(&mut PipelineSpec)) -> Result<Recorder<'a>> {
     let depth = app.gpu.image(&ImageSpec::depth(app.size))?;
     let eyes = app.eye_passes(kind, |color| PassSpec::new(color.overwritten(), depth.depth_cleared(1.0)))?;

@@ -1,4 +1,4 @@
-//! A second VkDevice beside the session's, with a pass of its own in the shape of an eye: for a window, say.
+//! A second VkDevice beside the session's, with a pass of its own in the shape of an eye: for a window, for example.
 
 use crate::app::{App, EYES, Recorder};
 use crate::gpu::{Gpu, ImageSpec, Kind, Pass, PassSpec};

@@ -1,4 +1,4 @@
-//! A visibility buffer: integers that say which face is seen, then a pass that shades each pixel once.
+//! A visibility buffer: indices of the visible faces, then a pass that shades each pixel once.
 
 use crate::app::{App, EYES, Recorder};
 use crate::gpu::{Depth, ImageSpec, Kind, PassSpec, PipelineSpec};

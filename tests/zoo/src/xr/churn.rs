@@ -1,5 +1,5 @@
-//! Churn: sessions one after the other on one device, each of which shows many styles at many sizes. What each needs is made anew, and
-//! destroyed after it: swapchains, targets, render passes, framebuffers, pipelines.
+//! Churn: sessions one after the other on one device, each of which shows many styles at many sizes. The objects of each are made for
+//! it, and destroyed after it: swapchains, targets, render passes, framebuffers, pipelines.
 
 use super::{APPLICATION, After, Course, End, Show, Waiter};
 use crate::gpu::{Gpu, Opened};

@@ -14,7 +14,7 @@ impl Input {
     /// Makes the action set, suggests a binding for the simple controller, and attaches it.
     ///
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn attach(instance: &xr::Instance, session: &xr::Session<xr::Vulkan>) -> Result<Self> {
         let set = instance.create_action_set("zoo", "Zoo", 0)?;
         let quit = set.create_action::<bool>("quit", "Leave the zoo", &[])?;
@@ -30,7 +30,7 @@ impl Input {
     /// Synchronises it, once a frame.
     ///
     /// # Errors
-    /// Those of xrSyncActions.
+    /// Errors of xrSyncActions.
     pub fn synchronise(&self, session: &xr::Session<xr::Vulkan>) -> Result<()> {
         Ok(session.sync_actions(&[xr::ActiveActionSet::new(&self.set)])?)
     }

@@ -11,7 +11,7 @@ use std::ffi::c_void;
 pub struct Layers<'a> {
     pub arrangement: Arrangement,
     pub color: &'a [Swapchain],
-    /// Beside those of colour, or empty.
+    /// Swapchains beside the colour ones, or empty.
     pub depth: &'a [Swapchain],
     pub quad: Option<&'a Swapchain>,
     pub space: &'a xr::Space,
@@ -25,7 +25,7 @@ impl Layers<'_> {
     /// Ends the frame.
     ///
     /// # Errors
-    /// Those of xrEndFrame.
+    /// Errors of xrEndFrame.
     pub fn submit(
         &self,
         stream: &mut xr::FrameStream<xr::Vulkan>,

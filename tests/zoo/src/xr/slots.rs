@@ -22,7 +22,7 @@ pub struct Slots {
 
 impl Slots {
     /// # Errors
-    /// Those of the calls.
+    /// Errors of the calls.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let commands = gpu.command_buffers(IN_FLIGHT as u32, vk::CommandBufferLevel::PRIMARY)?;
         let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
@@ -54,7 +54,7 @@ impl Slots {
     /// Submits a frame to the session's queue.
     ///
     /// # Errors
-    /// Those of vkQueueSubmit.
+    /// Errors of vkQueueSubmit.
     pub fn submit(&self, gpu: &Gpu, slot: &Slot, frame: &Frame) -> Result<()> {
         let mut commands = vec![slot.commands];
         commands.extend(frame.after.borrow().iter());

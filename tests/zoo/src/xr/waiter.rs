@@ -37,7 +37,7 @@ impl Waiter {
     /// Waits for the next frame.
     ///
     /// # Errors
-    /// Those of xrWaitFrame.
+    /// Errors of xrWaitFrame.
     pub fn wait(&mut self) -> Result<xr::FrameState> {
         match self {
             Self::Here(waiter) => Ok(waiter.wait()?),

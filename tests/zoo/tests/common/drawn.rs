@@ -1,4 +1,4 @@
-//! Pictures whose periphery is re-used as paper B does it, against those that the application draws.
+//! Images whose periphery is re-used as in paper B, against the application's images.
 
 use parafovea_tests::picture::Picture;
 use parafovea_zoo::Style;
@@ -17,14 +17,14 @@ const READ_LIMIT: f64 = 1.5;
 /// Side of a tile, pixels.
 const TILE: u32 = 16;
 
-/// Allowed mean difference of a tile of a style that blends its pictures with earlier ones, code values: nothing is left out there, and what
-/// was before that was known has faded.
+/// Allowed mean difference of a tile of a style that blends its pictures with earlier ones, code values: re-use is off there, and its
+/// earlier traces have faded.
 const TILE_LIMIT: f64 = 1.0;
 
 /// Line of the log where nothing is re-used, as passes read pictures of earlier frames.
 pub const FEEDBACK_LINE: &str = "re-use: left alone: a pass reads images of earlier frames";
 
-/// Whether a picture is made of those that the application drew, the newest first.
+/// Asserts that an image is made of the application's images, given the newest first.
 pub fn compare(style: &Style, eye: usize, on: &Picture, off: &[Picture]) {
     if style.keeps_history {
         return compare_tiles(eye, on, &off[0]);
@@ -49,7 +49,7 @@ pub fn compare(style: &Style, eye: usize, on: &Picture, off: &[Picture]) {
     assert!(older > 0, "eye {eye}: nothing was re-used");
 }
 
-/// Compares tile by tile with what the application draws.
+/// Compares tile by tile with the application's image.
 fn compare_tiles(eye: usize, on: &Picture, off: &Picture) {
     let [columns, rows] = [on.width, on.height].map(|side| side.div_ceil(TILE));
     let mut most = (0.0, [0; 2]);

@@ -56,7 +56,7 @@ impl Seen {
     }
 }
 
-/// Counts the pixels that stay grey, and those that are neither grey nor right.
+/// Counts the pixels that stay grey, and the pixels that are neither grey nor right.
 fn completed(now: &Seen, before: &Seen, has_depth: bool) -> [usize; 2] {
     let mut stale = StaleTiles::default();
     stale.set(EXTENT, [16; 2], &[STALE; TILES]);

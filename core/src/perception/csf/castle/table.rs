@@ -16,7 +16,7 @@ const ROWS: usize = ((LUMINANCE[1] - LUMINANCE[0]) * STEPS) as usize + 1;
 
 /// Sensitivity at the gaze for one temporal frequency and area, tabulated over spatial frequency and luminance.
 ///
-/// Within 2 % of the formula (0.2 dB; the formula is within 3.6 dB of what people see) but for 0.009 to 0.032 cd/m^2:
+/// Within 2 % of the formula (0.2 dB; the formula is within 3.6 dB of human sensitivity) but for 0.009 to 0.032 cd/m^2:
 /// there the transient response has a step at 0.0113, which the table spreads over its cells. 15 kB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FovealTable {
@@ -25,7 +25,7 @@ pub struct FovealTable {
 }
 
 impl FovealTable {
-    /// The table for a temporal frequency in Hz and an area in square degrees, clamped as [`Stimulus::clamped`] says.
+    /// The table for a temporal frequency in Hz and an area in square degrees, clamped by [`Stimulus::clamped`].
     pub fn new(temporal_hz: f32, area_deg2: f32) -> Self {
         let usual = Stimulus { temporal_hz, area_deg2, ..Stimulus::default() }.clamped();
         let texels =
@@ -50,7 +50,7 @@ impl FovealTable {
     /// before ([`BandFrequencies`](crate::perception::BandFrequencies)), where the finest is at `finest_cpd` cycles per
     /// degree, and the tile has `luminance_cd_m2` and lies at `eccentricity_deg`.
     ///
-    /// Out of domain or NaN: as [`Stimulus::clamped`] says. At least 2^-126.
+    /// Out of domain or NaN: as in [`Stimulus::clamped`]. At least 2^-126.
     pub fn sensitivities(
         &self,
         finest_cpd: f32,
@@ -84,7 +84,7 @@ impl FovealTable {
     }
 }
 
-/// The cell that `value` lies in, and how far along it, 0..=1.
+/// The cell of `value`, and its position in the cell, 0..=1.
 fn cell(value: f32, [first, last]: [f32; 2], nodes: usize) -> (usize, f32) {
     let position = (value.clamp(first, last) - first) * STEPS;
     let cell = (position as usize).min(nodes - 2);

@@ -52,13 +52,13 @@ pub enum Message<'a> {
     Reply { sequence: u32, body: Body<'a> },
     /// A command was refused.
     Refused { sequence: u32, error: PulseError },
-    /// Something happened that nobody asked for.
+    /// The server reports an event.
     Event(Event),
     /// Samples of a stream.
     Samples { channel: u32, bytes: &'a [u8] },
 }
 
-/// An event that nobody asked for.
+/// An event that a server reports on its own.
 pub enum Event {
     /// Something that was subscribed to changed.
     Changed,

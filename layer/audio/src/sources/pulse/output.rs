@@ -38,7 +38,7 @@ impl fmt::Display for Output {
     }
 }
 
-/// Whether nobody can hear this output.
+/// Whether this output is muted, or the volume of each channel is zero.
 pub fn is_muted(info: &SinkInfo) -> bool {
     let volumes = info.cvolume.channels();
     info.muted || (!volumes.is_empty() && volumes.iter().all(|volume| *volume == Volume::MUTED))

@@ -4,7 +4,7 @@ use std::env::var_os;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// The server's socket; none where the environment names no local one.
+/// The server's socket; `None` if the environment names no local one.
 pub fn socket() -> Option<PathBuf> {
     find_socket(|name| var_os(name))
 }

@@ -168,7 +168,7 @@ fn an_applications_own_rate_is_kept() {
     }
 }
 
-/// Of the parts of a library, those that shade get a dynamic rate, and the whole is set when it is bound.
+/// Parts of a library that shade get a dynamic rate, and the rate of the whole pipeline is set when it is bound.
 #[test]
 fn libraries_agree_on_a_rate_that_is_set_when_bound() {
     let stages = fragment_stage();

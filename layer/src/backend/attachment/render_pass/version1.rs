@@ -1,4 +1,4 @@
-//! Render passes of Vulkan 1.0 as those of `VK_KHR_create_renderpass2`, which can have a rate attachment.
+//! Render passes of Vulkan 1.0 in the form of `VK_KHR_create_renderpass2`, which can have a rate attachment.
 
 use super::LeftAlone;
 use crate::abi::copies::{Copies, find, slice};
@@ -147,7 +147,7 @@ impl<'c> Extensions<'c> {
         }
     }
 
-    /// Aspects of an input attachment: those of the chain, or else all of its format (`VkRenderPassInputAttachmentAspectCreateInfo`).
+    /// Aspects of an input attachment: from the chain, or else all of its format (`VkRenderPassInputAttachmentAspectCreateInfo`).
     fn aspect(
         &self,
         subpass: u32,

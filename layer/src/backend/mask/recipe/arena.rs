@@ -77,7 +77,7 @@ impl Arena {
         self.0.last().map_or(ptr::null(), |kept| kept.as_ptr().cast())
     }
 
-    /// A copy of a chain of state; nothing where one of its structures is not known.
+    /// A copy of a chain of state; `None` if one of its structures is not known.
     ///
     /// # Safety
     ///
@@ -98,7 +98,7 @@ impl Arena {
         Some(next)
     }
 
-    /// A copy of plain state, null without any; nothing where its chain is not known.
+    /// A copy of plain state, null without any; `None` if its chain is not known.
     ///
     /// # Safety
     ///

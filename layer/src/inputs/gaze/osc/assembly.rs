@@ -1,7 +1,7 @@
 //! From packets of any senders to one gaze.
 //!
-//! One sender holds, until it says nothing about the eyes for [`HOLD_NS`]; what others send meanwhile is counted and not used. Of the
-//! formats that a sender uses the best holds, as long. Holds no clock: every time is passed in.
+//! One sender is used until it sends nothing about the eyes for [`HOLD_NS`]; packets of others are counted meanwhile, but not used. Of a
+//! sender's formats the best is used, with the same limit. Contains no clock: every time is passed in.
 
 use super::message::{Axis, EyeMessage, EyeValue, Eyes, Format, OscPacketError, Packet};
 use crate::inputs::gaze::direction;

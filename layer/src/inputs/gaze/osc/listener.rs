@@ -139,7 +139,7 @@ fn receive(shared: &Shared, begun: Instant) {
     }
 }
 
-/// Whether an error says no more than that no packet came.
+/// Whether an error only means that no packet came.
 fn is_none_yet(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

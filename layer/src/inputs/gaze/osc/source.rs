@@ -112,7 +112,7 @@ impl OscSource {
         }
     }
 
-    /// Whether a sender is there.
+    /// Whether a sender is active.
     pub fn has_sender(&mut self) -> bool {
         self.newest().is_some_and(NewestGaze::is_fresh)
     }

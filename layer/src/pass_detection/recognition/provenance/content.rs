@@ -7,7 +7,7 @@ use crate::pass_detection::{Event, ImageKey};
 impl Provenance {
     /// Adds the cameras whose content an image holds where event number `reader` reads it. Whether it may hold something else.
     ///
-    /// What no earlier event of the frame writes is from the last frame, whose later events were as this one's.
+    /// Content that no earlier event of the frame writes is from the last frame, whose later events were like this one's.
     pub(super) fn sources_of(
         &mut self,
         image: ImageKey,

@@ -22,8 +22,8 @@ struct Entry {
     told: Findings,
 }
 
-/// All of a frame's events that roles depend on, as plain words: frames with the same words have the same roles. Images are numbered as they first
-/// occur, so that swapchain images in turn, and images made anew, compare equal.
+/// All of a frame's events that roles depend on, as plain words: frames with the same words have the same roles. Images are numbered as
+/// they first occur, so that swapchain images in turn, and recreated images, compare equal.
 #[derive(Debug, Default)]
 struct Structure {
     words: Vec<u64>,

@@ -66,8 +66,8 @@ fn frame(application: &mut Application, eyes: &[Chain; 2], scenes: [ImageKey; 2]
     application.show(&shown);
 }
 
-/// Swapchain images take turns, depth images are made anew, as many draws as are in sight, and a mirror every third frame: from the eighth frame
-/// on no frame is walked through.
+/// Swapchain images take turns, depth images are recreated, as many draws as are in sight, and a mirror every third frame: from the eighth
+/// frame on no frame is walked through.
 #[test]
 fn steady_frames_are_not_walked_through() {
     let mut application = Application::default();

@@ -159,7 +159,7 @@ where
 
 /// A reference to an attachment, of either version.
 trait AttachmentIndex {
-    /// The attachment; `None` where it is unused.
+    /// The attachment; `None` if it is unused.
     fn index(&self) -> Option<u32>;
     /// The attachment with its layout.
     fn with_layout(&self) -> Option<(u32, vk::ImageLayout)>;
@@ -185,12 +185,11 @@ impl AttachmentIndex for vk::AttachmentReference2<'_> {
     }
 }
 
-/// A subpass of these references: those of colours and their resolves, and of inputs, with their counts, and that of depth. The rest is
-/// as without extensions.
+/// A subpass of these references: colours and their resolves, and inputs, with their counts, and depth. The rest is as without extensions.
 ///
 /// # Safety
 ///
-/// Each pointer is null, or to so many references; that of depth is null or to one.
+/// Each pointer is null, or to as many references as its count; `depth` is null or to one.
 unsafe fn described<R: AttachmentIndex>(
     (colors, color_count): ([*const R; 2], u32),
     depth: *const R,

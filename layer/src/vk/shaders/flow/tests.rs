@@ -55,7 +55,7 @@ fn cases(words: &[u32]) -> [bool; 4] {
     [None, Some(0), Some(1), Some(2)].map(|value| discards(words, value))
 }
 
-/// A branch on `condition`, within whose first way a test that nobody knows discards.
+/// A branch on `condition`, within whose first way an unknown test discards.
 fn alpha_test(condition: u32) -> Vec<(u32, Vec<u32>)> {
     [
         (op::LABEL, vec![50]),
@@ -101,7 +101,7 @@ fn comparisons_of_constants_are_known() {
     }
 }
 
-/// As DXVK does: a constant says whether another one holds, or a buffer.
+/// As DXVK does: a constant selects another one, or a buffer.
 #[test]
 fn a_part_of_a_word_selected_by_a_constant() {
     let global = [

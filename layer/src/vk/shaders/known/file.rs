@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Beginning of the first line. The number changes with the format and with the facts read from shaders.
 const HEADER: &str = "parafovea shaders 2 ";
 
-/// A larger file is none of ours.
+/// A larger file is not ours.
 const MAX_BYTES: u64 = 8 << 20;
 
 /// The facts of a file; `None` for a missing, damaged or differently versioned one.

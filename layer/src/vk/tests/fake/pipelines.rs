@@ -35,11 +35,11 @@ pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
     Some(unsafe { std::mem::transmute::<*const (), unsafe extern "system" fn()>(address) })
 }
 
-/// Writes handles: all but the last where the answer is no success.
+/// Writes handles: all but the last if the answer is not a success.
 ///
 /// # Safety
 ///
-/// There is room for so many handles.
+/// There is room for that many handles.
 unsafe fn create<H: Handle>(is_amended: bool, count: u32, made: *mut H) -> vk::Result {
     let [amended, plain] = ANSWERS.get();
     let answer = if is_amended { amended } else { plain };

@@ -60,7 +60,7 @@ fn extensions() -> Vec<&'static CStr> {
 
 /// # Safety
 ///
-/// There are so many valid names.
+/// There are that many valid names.
 unsafe fn note_names(first: *const *const c_char, count: u32) -> Result<(), vk::Result> {
     let mut names = Vec::new();
     for index in 0..count as usize {

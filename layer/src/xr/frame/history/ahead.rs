@@ -88,7 +88,7 @@ impl SortedTiles {
         newest.viewpoint = last.viewpoint().map(|last| Viewpoint { position_m: position, ..last });
     }
 
-    /// Puts the lists of an eye that were worked out into `lists` if they are those of `pictures`. Whether they are; each is there once.
+    /// Moves the lists worked out for an eye into `lists` if they belong to `pictures`, and returns whether they do. Each can be taken once.
     pub(super) fn take(
         &mut self,
         eye: usize,

@@ -16,8 +16,8 @@ pub(super) struct EyeLists {
 }
 
 impl EyeLists {
-    /// Sorts the tiles of the first of `pictures`, which come newest first. Those that are compared were rendered, and their middles are
-    /// watched; there are none where `how` does not turn pictures.
+    /// Sorts the tiles of the first of `pictures`, which come newest first. Compared tiles are rendered tiles with a watched middle; there
+    /// are none if `how` does not turn pictures.
     pub(super) fn update<'a>(
         &mut self,
         pictures: impl Iterator<Item = Picture<'a>> + Clone,

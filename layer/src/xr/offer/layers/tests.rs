@@ -39,7 +39,7 @@ fn placed<T: Copy>(layer: T, change: impl Fn(&mut T)) -> T {
     }
 }
 
-/// The pose is that of the layer in the gaze, whose place in the head is known.
+/// The pose is the layer's in the gaze, whose pose in the head is known.
 fn assert_in_head(found: xr::Posef, space: xr::Space) {
     assert_eq!(space.into_raw(), SPACE_OF_HEAD);
     let looking = Quat::from_euler(glam::EulerRot::YXZ, 25f32.to_radians(), -8f32.to_radians(), 0.0);

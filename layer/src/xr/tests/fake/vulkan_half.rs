@@ -14,7 +14,7 @@ use std::ffi::{c_char, c_void};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Something that was told.
+/// A message to the Vulkan half.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Told {
     Active(bool),
@@ -47,7 +47,7 @@ thread_local! {
 
 static DEVICES: AtomicU64 = AtomicU64::new(1);
 
-/// Plans of each device, which a thread of the layer may tell.
+/// Plans of each device, which a thread of the layer may send.
 static PLANS: Mutex<Vec<(u64, Told)>> = Mutex::new(Vec::new());
 
 /// Messages of this thread since the last call.
@@ -98,7 +98,7 @@ pub fn table() -> LinkTable {
     }
 }
 
-/// Of a device that nobody calls.
+/// Of a device that receives no calls.
 pub fn record() -> DeviceRecord {
     DeviceRecord {
         instance: vk::Instance::null(),
@@ -333,7 +333,7 @@ unsafe extern "C" fn stale(_: vk::Device, eye: u32, record: *mut StaleRecord) ->
 
 /// # Safety
 ///
-/// There are as many words as the record says.
+/// `record.words` has room for `record.capacity` words.
 unsafe fn write_stale(eye: u32, record: &mut StaleRecord) {
     STALE_WORDS.with_borrow(|words| {
         record.extent = [512, 16 * words.len() as u32];

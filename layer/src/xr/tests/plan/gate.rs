@@ -45,7 +45,7 @@ fn rates_that_take_a_gpu_longer_are_dropped() {
     GPU_NS.set(None);
 }
 
-/// Frames; how often the eye tracker was asked in them, and how often the Vulkan half was told of an end.
+/// Runs frames; returns the number of queries of the eye tracker in them, and of frame ends that the Vulkan half received.
 fn noticed(application: &Application, frames: u32) -> [usize; 2] {
     GAZE_LOCATED.set(0);
     calls();

@@ -48,7 +48,7 @@ impl PacketTracker {
         Self { session, config, socket }
     }
 
-    /// Sends that the eyes look so far to the left, degrees, and returns once that is heard.
+    /// Sends a gaze that far to the left, degrees, and returns once it has arrived.
     fn look(&self, left_deg: f32) {
         let args = vec![OscType::Float(0.0), OscType::Float(-left_deg)];
         let message = OscMessage { addr: "/tracking/eye/CenterPitchYaw".to_owned(), args };

@@ -22,7 +22,7 @@ fn reference_space(session: xr::Session, kind: xr::ReferenceSpaceType) -> xr::Sp
     space
 }
 
-/// Frames while the head turns; how often it was located, and by how much the plan's head differs, degrees.
+/// Runs frames while the head turns; returns the number of its locations, and the largest difference of the plan's head, degrees.
 fn turning_frames(application: &Application, count: i32) -> (usize, f32) {
     HEAD_LOCATED.set(0);
     let session = session::find(application.session).unwrap();

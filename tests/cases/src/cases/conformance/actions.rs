@@ -1,4 +1,4 @@
-//! Actions for the gaze: made, bound, attached, and what is refused.
+//! Actions for the gaze: creation, bindings, attachment, and refused calls.
 
 use super::{Calls, EYES, NOBODYS, Outcome, malformed};
 use crate::app::App;

@@ -37,7 +37,7 @@ pub fn conforms_before_a_session(app: &App) -> Outcome {
     properties(&calls)
 }
 
-/// The extension is there once, with a version.
+/// The extension is listed once, with a version.
 fn listed(calls: &Calls) -> Outcome {
     let get = calls.app.xr.get_instance_proc_addr;
     let function = look_up(get, xr::Instance::NULL, "xrEnumerateInstanceExtensionProperties")?;

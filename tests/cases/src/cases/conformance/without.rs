@@ -8,9 +8,9 @@ use crate::session::{Layer, Session};
 use openxr_sys as xr;
 use std::ptr::null_mut;
 
-/// Nothing of the extension is there, whatever the system has. Sections: XR_EXT_eye_gaze_interaction, "Device enumeration" (the property is of
-/// the extension); Input, "Creating Actions", "Suggested Bindings", "Current Interaction Profile" (paths of extensions that are not on are not
-/// supported).
+/// No part of the extension is available, with or without eye gaze in the system. Sections: XR_EXT_eye_gaze_interaction, "Device enumeration"
+/// (the property is of the extension); Input, "Creating Actions", "Suggested Bindings", "Current Interaction Profile" (paths of extensions
+/// that are not enabled are not supported).
 pub fn conforms_without_eye_gaze(app: &App) -> Outcome {
     let calls = Calls::new(app);
     let mut gaze = xr::SystemEyeGazeInteractionPropertiesEXT {

@@ -22,7 +22,7 @@ pub fn attaches_early(app: &App) -> Outcome {
     session.finish()
 }
 
-/// The sets are there from the start, and attached when all is loaded.
+/// The sets exist from the start, and are attached when loading ends.
 pub fn attaches_after_a_loading_screen(app: &App) -> Outcome {
     let controls = Controls::new(app);
     let (set, button) = controls.button()?;

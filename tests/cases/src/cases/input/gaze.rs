@@ -58,7 +58,7 @@ fn looks(app: &App, priorities: &[u32]) -> Outcome {
     session.finish()
 }
 
-/// The gaze as space and as base, in the spaces of the head and of the world, and the views in it; with all that the extension tells.
+/// The gaze as space and as base, in the spaces of the head and of the world, and the views in it; with all data of the extension.
 pub fn finds_the_gaze_in_every_space(app: &App) -> Outcome {
     let controls = Controls::new(app);
     controls.trace(format!("the system has eye gaze: {}", has_eye_gaze(app)?));
@@ -128,7 +128,7 @@ pub fn shows_layers_in_the_gaze(app: &App) -> Outcome {
     looking.session.finish()
 }
 
-/// Waits until the gaze is there, and then until it is gone; tells where it was in the space of the head.
+/// Waits until the gaze is active, and then until it is not; notes its pose in the space of the head at both times.
 pub fn sees_the_gaze_come_and_go(app: &App) -> Outcome {
     let looking = Looking::start(app)?;
     let Looking { controls, session, gaze, space, .. } = &looking;
@@ -184,7 +184,7 @@ impl<'a> Looking<'a> {
     }
 }
 
-/// One action that the left hand and the eyes drive, told apart by subaction paths.
+/// One action that the left hand and the eyes drive, distinguished by subaction paths.
 pub fn tells_eyes_from_hands(app: &App) -> Outcome {
     let controls = Controls::new(app);
     let users = [controls.path("/user/hand/left")?, controls.path("/user/eyes_ext")?];

@@ -1,4 +1,4 @@
-//! Sessions, and the events that tell of their states.
+//! Sessions, and the events of their states.
 
 use super::{Session, World};
 use crate::session::calls;

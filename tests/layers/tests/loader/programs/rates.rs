@@ -26,7 +26,7 @@ impl Plan {
         Self { form: value(FORM_VARIABLE), broken: value(BROKEN_VARIABLE) }
     }
 
-    /// Whether the form's name says so.
+    /// Whether the form's name contains this part.
     fn is(&self, part: &str) -> bool {
         self.form.contains(part)
     }

@@ -1,5 +1,4 @@
-//! One thing broken at a time: the rule that says so is found. Other rules may be too, where breaking one
-//! cannot be done without them.
+//! One rule is broken at a time, and found. Others may be found too, if breaking one breaks them.
 
 use super::{lines, program};
 use parafovea_test_layers::ShadingRateProfile;
@@ -228,7 +227,7 @@ fn of_pipelines() {
     );
 }
 
-/// Only recorded: a driver may write anywhere when it is told of layers that are not there.
+/// Only recorded: a driver may write anywhere if the layers do not exist.
 #[test]
 fn of_dynamic_rendering() {
     are_found(

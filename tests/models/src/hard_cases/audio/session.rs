@@ -8,7 +8,7 @@ pub(super) fn cases() -> Vec<Case> {
     vec![stops(Mode::Default, 600), stops(Mode::Paper, 3100), ten_hours()]
 }
 
-/// Time after the end of a full-scale tone until the features are those of silence.
+/// Time after the end of a full-scale tone until the features equal silence's.
 fn stops(mode: Mode, limit_ms: usize) -> Case {
     let settings = AudioSettings { mode, ..AudioSettings::default() };
     let mut extractor = FeatureExtractor::new(48_000, 2, &settings).expect("a known format");

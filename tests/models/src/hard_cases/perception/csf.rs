@@ -1,5 +1,5 @@
 //! Contrast sensitivity at and beyond the ends of its domain: `error` is relative, against double precision at the
-//! stimulus that the documentation says it is clamped to.
+//! documented clamped stimulus.
 
 use super::Case;
 use crate::reference::perception::csf as reference;

@@ -16,7 +16,7 @@ pub struct Tile {
     pub adaptation: f64,
 }
 
-/// The tiles of a picture in cd/m^2, row by row. What is no luminance counts as 0, infinity as 10,000.
+/// The tiles of an image in cd/m^2, row by row. Negative values and NaN count as 0, infinity as 10,000.
 pub fn tiles(picture: &Plane, tile_size: usize, dark: f64) -> Vec<Tile> {
     let bounded = |value: f32| if value > 0.0 { f64::from(value).min(10_000.0) } else { 0.0 };
     let mut levels = vec![Level {

@@ -17,7 +17,7 @@ pub(super) enum Purpose {
 }
 
 impl Purpose {
-    /// Half floats tell all codes of 8-bit sRGB apart; devices must be able to blend and sample them.
+    /// Half floats distinguish all codes of 8-bit sRGB; devices must be able to blend and sample them.
     pub fn format(self) -> vk::Format {
         match self {
             Self::Layer => vk::Format::R16G16B16A16_SFLOAT,

@@ -62,7 +62,7 @@ pub fn should_render() {
     assert_eq!(seen, [true, false, true]);
 }
 
-/// Two frames wait for a byte each; then there is nobody to wait for.
+/// Two frames wait for a byte each; then the other end of the socket is closed, and no frame waits.
 pub fn turns() {
     let scenario = PathBuf::from(std::env::var_os(SCENARIO_VARIABLE).unwrap());
     let listener = UnixListener::bind(scenario.with_file_name("turns")).unwrap();

@@ -8,7 +8,7 @@ use super::lamp_cable;
 use crate::scene::lights::Light;
 use crate::scene::noise;
 
-/// Lights when none are asked for. It sets what a frame costs: see the crate's README before touching it.
+/// Default number of lights. It sets the cost of a frame: see the crate's README before changing it.
 pub const DEFAULT: u32 = 7;
 /// Of each three lights two hang on the cables; the third flies.
 fn flies(index: u32) -> bool {

@@ -13,7 +13,7 @@ fn scripts() -> impl Iterator<Item = Script> {
     SceneName::ALL.into_iter().map(Script::new)
 }
 
-/// Measured on the gaze itself, not on its plan: how long it moves fast, and how far.
+/// Measures duration and amplitude on the gaze itself, not on its plan.
 #[test]
 fn saccades_follow_the_main_sequence() {
     for script in scripts() {

@@ -58,7 +58,7 @@ fn what_is_no_longer_copied_on_is_given_up_some_time_later() {
     assert!(outcomes[180].1.is_err());
 }
 
-/// Images made anew in each frame turn up in a quad: given up at once as well.
+/// Images created in each frame appear in a quad: dropped at once as well.
 #[test]
 fn new_images_that_turn_up_in_a_quad() {
     let mut app = Application::default();
@@ -113,7 +113,7 @@ fn two_sessions_on_one_device() {
     app.expect("second", &straight(Eyes::Right));
 }
 
-/// The picture is resized by the viewport alone, which nobody sees here.
+/// The picture is resized by the viewport alone, which is not tracked here.
 #[test]
 fn a_picture_that_changes_within_its_render_area() {
     let mut app = Application::default();

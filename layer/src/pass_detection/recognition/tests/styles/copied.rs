@@ -67,7 +67,7 @@ fn upscaled_by_a_pass() {
     app.expect("scene", &looks(Eyes::Finer));
 }
 
-/// A copy that fills a corner of the picture only does not tell the origin of the picture.
+/// A copy that fills a corner of the picture only does not reveal the origin of the picture.
 #[test]
 fn a_display_copied_into_a_corner() {
     let mut app = Application::default();

@@ -18,7 +18,7 @@ fn reads(images: &[ImageKey]) -> Reads {
     Reads { images: images.into(), may_read_more: false }
 }
 
-/// The same where nobody follows descriptors.
+/// The same draws if descriptors are not followed.
 pub(super) fn unknown(draws: Draws) -> Draws {
     let anything = Reads { may_read_more: true, ..Reads::default() };
     Draws { read_by_quads: anything.clone(), read_by_meshes: anything, ..draws }
@@ -53,7 +53,7 @@ impl Application {
     }
 }
 
-/// A target that the scene samples is a texture, whatever its looks, and so are targets that only feed it.
+/// A target that the scene samples is a texture, regardless of its looks, and so are targets that only feed it.
 #[test]
 fn a_mirror_as_large_as_the_eye() {
     let mut app = Application::default();
@@ -95,7 +95,7 @@ fn ambiguity_without_descriptors() {
     }
 }
 
-/// A pool gives the mirror's image to the eyes: their order tells them apart.
+/// A pool gives the mirror's image to the eyes: their order distinguishes them.
 #[test]
 fn a_mirror_in_the_image_of_the_eyes() {
     let mut app = Application::default();

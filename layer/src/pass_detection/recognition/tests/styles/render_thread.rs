@@ -49,8 +49,8 @@ fn a_render_thread_apart_with_tone_mapping() {
     app.expect("scene", &looks(Eyes::Finer));
 }
 
-/// The scene in a submission of its own, on another queue, and the copy later: the log is the same. An effect before it in
-/// compute, which writes what is copied, leaves no pass at all.
+/// The scene in a submission of its own, on another queue, and the copy later: the log is the same. A compute effect before it, which
+/// writes the copied image, leaves no pass at all.
 #[test]
 fn tone_mapped_by_a_compute_shader() {
     let mut app = Application::default();

@@ -29,7 +29,7 @@ fn dynamic_resolution_in_the_swapchain() {
     }
 }
 
-/// Resized by the viewport alone, where a pass before it may be too: nobody knows which part of it is the picture.
+/// Resized by the viewport alone, as a pass before it may be too: the part of that with the picture is not known.
 #[test]
 fn tone_mapped_into_a_part_of_the_render_area() {
     let mut app = Application::default();

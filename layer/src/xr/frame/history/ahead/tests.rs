@@ -8,7 +8,7 @@ use parafovea_core::reuse::{STALE, TileLists};
 
 const EXTENT: [u32; 2] = [128, 64];
 const FOV: Fov = Fov { left: -0.8, right: 0.8, up: 0.5, down: -0.5 };
-/// The application draws to so many images in turn.
+/// Number of images that the application draws to in turn.
 const IMAGES: u64 = 4;
 
 /// View of frame `number`, of a head that turns by 0.02 radians a frame.
@@ -58,8 +58,8 @@ fn lists(history: &History) -> Vec<Vec<u32>> {
     sorted.chain(compared).collect()
 }
 
-/// Runs frames with tiles sorted ahead and without, which have to end alike; says of each whether they were taken. A frame is expected as
-/// `expected` has it, and ends as `ended` has it: number, view and stale tiles of that number.
+/// Runs frames with and without tiles sorted ahead, which have to give the same lists; returns for each frame whether the sorted tiles were
+/// taken. `expected` and `ended` return the expected and the actual number, view and stale tiles of that number.
 fn taken(
     frames: u64,
     expected: impl Fn(u64) -> (u64, planner::View),

@@ -120,7 +120,7 @@ pub fn view_mask(setup: &Setup) -> u32 {
     }
 }
 
-/// A render pass of a colour attachment and, unless told otherwise, a rate attachment that is used.
+/// A render pass of a colour attachment and a rate attachment, which is used if `uses_rates`.
 pub fn render_pass(setup: &Setup, uses_rates: bool) -> vk::RenderPass {
     let plan = &setup.plan;
     let colour = vk::AttachmentDescription2::default()
