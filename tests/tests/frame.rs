@@ -67,7 +67,7 @@ const IMPATIENT_CHROMA: &str = "preset = \"none\"\n[chroma]\nmode = \"default\"\
 fn judged(subject: &Subject, frames: u64) -> Report {
     let techniques = [Technique::off(), Technique::layer("chroma", IMPATIENT_CHROMA)];
     let effort = Effort { turns: 1, run_up: RUN_UP, frames, size: 128 };
-    errors(subject, &techniques, effort, None, |_| ()).unwrap().remove(0).report
+    errors(subject, &techniques, effort, |_| ()).unwrap().remove(0)
 }
 
 /// Squared error within 2 degrees of where the eyes truly look: of all metrics the one that sees nothing beside it.
