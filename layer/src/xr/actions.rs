@@ -212,7 +212,7 @@ pub unsafe extern "system" fn attach(
             let (Some(asked), Some((known, gaze))) = (asked, ours) else {
                 let result = answer.record(below(info));
                 if let Some(known) = &known {
-                    known.actions.attached_without(result);
+                    known.actions.attached_without(known, result);
                     if let (true, Some(asked)) = (result.into_raw() >= 0, asked) {
                         // SAFETY: the call succeeded, so the structure is valid.
                         unsafe { offer::note_attached(known, asked) };
@@ -240,7 +240,7 @@ pub unsafe extern "system" fn attach(
             tracing::info!(
                 "no eye tracker: xrAttachSessionActionSets returned {result:?} with its action set, and {own:?} without"
             );
-            known.actions.attached_without(own);
+            known.actions.attached_without(known, own);
             own
         },
     )

@@ -90,7 +90,7 @@ impl SessionActions {
     pub fn prepare(&self, session: &Session, config: &Config) -> Option<GazeAction> {
         let is_wanted = session.active.is_some()
             && self.has_tracker
-            && matches!(config.gaze.source, GazeSource::Auto | GazeSource::Eyes)
+            && follows_tracker(config)
             && matches!(self.state().attachment, Attachment::Not);
         if is_wanted { session.instance.actions.gaze_action(&session.instance) } else { None }
     }
@@ -104,12 +104,12 @@ impl SessionActions {
     }
 
     /// The application attached its action sets without ours, or could not.
-    pub fn attached_without(&self, result: xr::Result) {
+    pub fn attached_without(&self, session: &Session, result: xr::Result) {
         let mut state = self.state();
         match state.attachment {
             Attachment::Not if result.into_raw() >= 0 => {
                 state.attachment = Attachment::Never;
-                if self.has_tracker {
+                if self.has_tracker && follows_tracker(&session.instance.config.snapshot()) {
                     tracing::info!(
                         "no eye tracker in this session: the application attached its action sets before the layer could add one"
                     );
@@ -255,6 +255,11 @@ impl SessionActions {
             None => Look::Unseen,
         }
     }
+}
+
+/// Whether the gaze may come from the runtime's eye tracker.
+fn follows_tracker(config: &Config) -> bool {
+    matches!(config.gaze.source, GazeSource::Auto | GazeSource::Eyes)
 }
 
 fn space(session: &Session, gaze: GazeAction) -> Option<xr::Space> {
