@@ -132,7 +132,7 @@ fn compile(source: &str, uniforms: &[Declared]) -> Result<Vec<u32>, String> {
         lang_version: (1, 0),
         // Without ADJUST_COORDINATE_SPACE: positions are Vulkan's own, y pointing down.
         flags: spv::WriterFlags::empty(),
-        // What every Vulkan 1.0 device has, with no feature enabled.
+        // Capabilities of every Vulkan 1.0 device, with no feature enabled.
         capabilities: Some([spv::Capability::Shader].into_iter().collect()),
         ..spv::Options::default()
     };

@@ -37,7 +37,7 @@ fn main() -> ExitCode {
     // SAFETY: plain use of Vulkan; all handles stay live for the rest of the process.
     match unsafe { device() } {
         Ok(record) => {
-            // SAFETY: the device has this queue, which nobody else uses.
+            // SAFETY: the device has this queue, which no other code uses.
             let gpu = unsafe { Gpu::new(&record, 0, 0) }.unwrap();
             kernels(&gpu).unwrap();
             ExitCode::SUCCESS
@@ -64,7 +64,7 @@ fn kernels(gpu: &Arc<Gpu>) -> Result<(), GpuError> {
     Fill::new(gpu)?;
     begin("compose");
     let mut compose = Compose::new(Arc::clone(gpu))?;
-    // With the kernel `change`, whose entry points tell it from compose.
+    // With the kernel `change`, which its entry points distinguish from compose.
     compose.prepare_reuse(FORMAT)
 }
 

@@ -1,10 +1,10 @@
 // Kernel `analyze`: the contrast of each tile of a picture, by octave of spatial frequency.
-// Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance with the first reduction, one for each of four more, one
-// for the tiles; where the view has not moved, luminance alone as long as picture and rates are the same too. Only luminance depends on the
-// format of the picture. GPUs do little but move levels: hence half floats, and a first reduction that does not read the luminance that its
-// neighbours write, but the picture, which caches have. Software devices find that dear: they make luminance alone, then level 1. No barrier
-// within a workgroup, and no thread that waits for another, nor single numbers read, for the same reason: hence levels are kept in blocks of
-// two by two texels.
+// Reference: core/src/kernels/analyze.rs and the functions it calls. One dispatch computes luminance with the first reduction, four more compute
+// one reduction each, one the tiles. Where the view has not moved, luminance alone is computed as long as picture and rates are the same too. Only
+// luminance depends on the format of the picture. On GPUs the time goes into moving levels: hence half floats, and a first reduction that reads
+// the picture, which is in caches, not the luminance that its neighbours write. That is slow on software devices: they compute luminance alone,
+// then level 1. For the same reason there is no barrier within a workgroup, no thread waits for another, and no single numbers are read: hence
+// levels are kept in blocks of two by two texels.
 
 struct AnalyzeParams {
     rect_offset: vec2<u32>,
@@ -30,7 +30,7 @@ struct Shown {
     rate: u32,
 }
 
-// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+// Storage: lavapipe of Mesa 22.3 recompiles a shader that branches on uniforms for each dispatch.
 @group(0) @binding(0) var<storage, read> params: AnalyzeParams;
 @group(0) @binding(1) var picture: texture_2d<f32>;
 // Levels 0 to 5 of the pyramid, in blocks of two by two texels, the upper two first: kernels::analyze::level_place.
@@ -39,10 +39,10 @@ struct Shown {
 @group(0) @binding(3) var<storage, read_write> map: array<TileContrast>;
 // The rates that the picture was shaded at, four tiles of a row in a word; rows begin with a new one.
 @group(0) @binding(4) var<storage, read> rates: array<u32>;
-// What each tile showed in the frame before.
+// Contrast and shading rate of each tile in the frame before.
 @group(0) @binding(5) var<storage, read_write> shown: array<Shown>;
 
-// What is known of how the picture changes where the view does not.
+// State of the comparison of pictures while the view is the same.
 struct Same {
     // Workgroups of the reductions, then of the tiles.
     groups: array<array<u32, 3>, 6>,
@@ -115,7 +115,7 @@ fn compared_unit(@builtin(global_invocation_id) id: vec3<u32>) {
     compare_luminance(id.xy, true);
 }
 
-// Whether a tile was shaded at another rate than what is known of it: its picture may be the same and hold less.
+// Whether a tile was shaded at a different rate than its known data: its picture may be the same with less detail.
 @compute @workgroup_size(64)
 fn rates_compared(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= params.tiles.x {
@@ -282,8 +282,8 @@ fn reduce(index: u32, id: vec2<u32>) {
     store_two(level, size, at + vec2(0u, 1u), c, d, e, f);
 }
 
-// The same of level 1 from the picture, with the luminance below it. Row by row: what neighbours read of the same lines of a cache should be
-// read at about the same time.
+// The same of level 1 from the picture, with the luminance below it. Row by row: neighbours should read the same cache lines at about the same
+// time.
 fn reduce_picture(id: vec2<u32>, is_unit: bool) {
     let size = level_size(1u);
     let at = 2u * id;
@@ -394,7 +394,7 @@ fn upsampled_column(surround: Level, x: i32, y: i32) -> vec4<f32> {
     return first + (second - first) * vec4(0.0, 0.25, 0.5, 0.75);
 }
 
-// Of a tile: the greatest contrast of a band, or the sum of all, and the sum of what the level holds.
+// Of a tile: the greatest contrast of a band, or the sum of all, and the sum of the level's texels.
 struct Gathered {
     contrast: f32,
     light: f32,
@@ -430,7 +430,7 @@ fn gather(band: u32, tile: Covered) -> Gathered {
             let after = expanded_columns(coarse, vec2(x + 1, y), AFTER);
             let beyond = upsampled_column(surround, x + 1, y);
             let step = beyond - around;
-            // What lies beyond the level does not count.
+            // Texels beyond the level do not count.
             let upper_left = block(level, 2 * vec2(x, y), ON, ON);
             let lower_left = block(level, 2 * vec2(x, y) + vec2(0, 1), ON, ON);
             let upper_right = block(level, 2 * vec2(x, y) + vec2(1, 0), ON, ON);
@@ -484,7 +484,7 @@ const FLOOR: f32 = 0.01;
 // reuse::STALE
 const STALE: u32 = 0x80u;
 
-// The rate that a tile was shaded at, where it was. What is no rate counts as 1x1.
+// Shading rate of a tile, if it was shaded. A value that is not a rate counts as 1x1.
 fn shaded_at(tile: vec2<u32>) -> u32 {
     let row_words = (params.tiles.x + 3u) / 4u;
     let rate = (rates[tile.y * row_words + tile.x / 4u] >> (8u * (tile.x % 4u))) & 0xffu;
@@ -514,7 +514,7 @@ fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
         let guessed = select(max(bands[i], expected), expected, i < lost_entirely);
         bands[i] = select(guessed, before[i] * scale, is_same);
     }
-    // What blocks fold into it is not in the picture.
+    // Contrast that coarse shading folds into this band is not in the picture.
     bands[survivor] = select(now, before[survivor] * scale, is_same && survivor > 0u);
     let follows = at_same_rate && is_same;
     if !(follows && is_noise) {
@@ -535,7 +535,7 @@ fn write(place: vec2<u32>, tile: Covered, bands: vec4<f32>, light: f32) {
     let pixels = tile.last - tile.first + 1u;
     let index = place.y * params.tiles.x + place.x;
     let rate = shaded_at(place);
-    // What was not shaded stays as it was known.
+    // A tile that was not shaded keeps its known values.
     if (rate & STALE) != 0u {
         return;
     }

@@ -1,4 +1,4 @@
-// Kernel `change`: how much what tiles show differs from what an earlier picture shows in the same directions, or at the same places.
+// Kernel `change`: the difference between the content of tiles and an earlier picture's content in the same directions, or at the same places.
 // Reference: core/src/kernels/change.rs. One thread a tile, one dispatch for each earlier picture.
 
 struct ChangeParams {
@@ -18,7 +18,7 @@ struct ChangeParams {
     depth_scale: vec2<f32>,
 }
 
-// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+// Storage: lavapipe of Mesa 22.3 recompiles a shader that branches on uniforms for each dispatch.
 @group(0) @binding(0) var<storage, read> params: ChangeParams;
 // Tiles: column, and row in the upper half.
 @group(0) @binding(1) var<storage, read> tiles: array<u32>;
@@ -45,7 +45,7 @@ fn quarter(index: u32) -> vec2<f32> {
     return vec2(f32(index & 1u), f32(index >> 1u));
 }
 
-// What has been seen of a tile.
+// Statistics of the samples of a tile so far.
 struct Seen {
     // Of one part: luminance in the newest and the earlier picture, added up, and its range in both.
     sums: vec2<f32>,
@@ -130,7 +130,7 @@ fn parallax_at(point: vec2<f32>) -> vec3<f32> {
     return params.parallax.xyz * nearness;
 }
 
-// Apart from `change`: what an entry point calls decides which sets its pipeline has to have.
+// Separate from `change`: the functions that an entry point calls determine the descriptor sets that its pipeline needs.
 @compute @workgroup_size(64)
 fn moved_change(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= params.count {

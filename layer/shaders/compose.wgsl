@@ -1,5 +1,5 @@
 // Kernel `compose`: the pixels of one region, drawn over a copy of the image, tile by tile.
-// Reference: core/src/kernels/compose.rs and what it calls, in the same order.
+// Reference: core/src/kernels/compose.rs and the functions it calls, in the same order.
 
 struct ComposeParams {
     rect_offset: vec2<u32>,
@@ -46,7 +46,7 @@ fn direction(point: vec2<f32>) -> vec2<f32> {
     return params.plane_origin + params.plane_step * point;
 }
 
-// geometry::eccentricity of a direction, less the radius of what counts as looked at.
+// geometry::eccentricity of a direction, less the radius of the region that counts as looked at.
 fn eccentricity(direction: vec2<f32>, gaze: vec3<f32>, radius: f32) -> f32 {
     let ray = vec3(direction, -1.0);
     return arc_cosine(dot(ray, gaze) * inverseSqrt(dot(ray, ray))) - radius;
@@ -143,7 +143,7 @@ fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     return seen_at(vec2<f32>(select(low, high, is_far(vertex))));
 }
 
-// What chroma::Polynomials::gains leave to 1, in proportion to the strength: of Cb in x, of Cr in y. The angle is above the plateau.
+// Difference of chroma::Polynomials::gains from 1, in proportion to the strength: of Cb in x, of Cr in y. The angle is above the plateau.
 fn losses(angle: f32, seen: Seen) -> vec2<f32> {
     let e = saturate((angle - seen.range.x) * seen.range.y);
     let w = 1.0 - sqrt((1.0 - e) * (1.0 + e));
@@ -265,7 +265,7 @@ struct Found {
     @location(10) @interpolate(flat) earlier: vec4<f32>,
     // earlier_grid, at least 1, whether it has tiles, and earlier_word.
     @location(11) @interpolate(flat) tiles: vec4<u32>,
-    // From the pixels of the target to those of the earlier picture where nothing has moved, and earlier_offset.
+    // Offset from pixels of the target to pixels of the earlier picture where nothing has moved, and earlier_offset.
     @location(12) @interpolate(flat) offsets: vec4<i32>,
 }
 
@@ -394,7 +394,7 @@ struct Footprint {
     weights: vec4<f32>,
 }
 
-// Bilinear, of those that were rendered.
+// Bilinear, over the rendered texels alone.
 fn footprint(found: Found, at: vec2<f32>) -> Footprint {
     let base = floor(at - 0.5);
     let share = at - 0.5 - base;
@@ -441,7 +441,7 @@ fn mixed_pixel(found: Found) -> vec4<f32> {
 @group(2) @binding(0) var depth: texture_2d<f32>;
 @group(3) @binding(0) var earlier_depth: texture_2d<f32>;
 
-// What lies where something is looked for is that, if it were within so many pixels of it here.
+// Greatest distance, pixels of the newest picture, at which a found surface still counts as the one that is searched for.
 const SAME_PIXELS: f32 = 0.25;
 
 fn nearness(value: f32, of_values: vec4<f32>) -> f32 {
@@ -489,7 +489,7 @@ fn attenuated(found: Found, rgba: vec4<f32>) -> vec4<f32> {
     return vec4(select(rgba.rgb, rgb, angle > seen.range.x), rgba.a);
 }
 
-// Where nothing has moved. What is not attenuated there is copied.
+// Where nothing has moved. Pixels there without attenuation are copied.
 @fragment
 fn still_attenuated(handed: Found) -> @location(0) vec4<f32> {
     let found = found_by_pixel(handed);

@@ -1,4 +1,4 @@
-// Kernel `debug_view`: what is decided, blended over an eye's finished picture.
+// Kernel `debug_view`: the decisions, blended over an eye's finished picture.
 // Reference: core/src/kernels/debug_view.rs, with the same names.
 
 struct DebugViewParams {
@@ -100,7 +100,7 @@ fn at(position: vec4<f32>) -> vec2<u32> {
     return vec2<u32>(position.xy) - params.rect_offset;
 }
 
-// The pipeline adds this to what alpha leaves of the picture, and leaves the picture's own alpha.
+// The pipeline adds this to the picture times one minus alpha, and keeps the picture's own alpha.
 fn blended(colour: vec4<f32>) -> vec4<f32> {
     if colour.a == 0.0 {
         discard;

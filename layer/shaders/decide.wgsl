@@ -1,5 +1,5 @@
 // Kernel `decide`: from one view's parameters to a rate for each of its tiles.
-// Reference: core/src/kernels/decide.rs and what it calls. A thread decides four tiles of a row, which share a word.
+// Reference: core/src/kernels/decide.rs and the functions it calls. A thread decides four tiles of a row, which share a word.
 
 struct DecideParams {
     gaze_left: vec3<f32>,
@@ -38,7 +38,7 @@ struct TileContrast {
     adaptation_cd_m2: f32,
 }
 
-// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+// Storage: lavapipe of Mesa 22.3 recompiles a shader that branches on uniforms for each dispatch.
 @group(0) @binding(0) var<storage, read> params: DecideParams;
 @group(0) @binding(1) var<storage, read> contrast: array<TileContrast>;
 // castle::FovealTable
@@ -338,7 +338,7 @@ fn shown_by(tile: vec2<u32>, is_turned: bool) -> Shown {
     return Shown(bands, contrast_of(nearest).adaptation_cd_m2, true);
 }
 
-// What a tile remembers.
+// State of a tile from frame to frame.
 struct Tile {
     level: u32,
     age_ms: u32,
@@ -363,7 +363,8 @@ fn seen_at(point: vec2<f32>, luminance: f32, eccentricity: f32, sensitivity: u32
     return tursun(select(4.0, pixels / 2.0, is_known), luminance, eccentricity);
 }
 
-// A tile, whose middle is at a point of the plane one unit ahead, from what it was in the frame before and its squared chord to the nearer gaze.
+// New state of a tile, whose middle is at a point of the plane one unit ahead, from its state in the frame before and its squared chord to the
+// nearer gaze.
 fn decided(tile: vec2<u32>, middle: vec2<f32>, chord: f32, before: Tile, sensitivity: u32, is_turned: bool) -> Tile {
     var keep = level_at(chord, params.ring_chords);
     var grow = level_at(chord, params.coarsening_chords);

@@ -14,7 +14,7 @@ struct SkipList {
     blocks: array<vec2<u32>>,
 }
 
-// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+// Storage: lavapipe of Mesa 22.3 recompiles a shader that branches on uniforms for each dispatch.
 @group(0) @binding(0) var<storage, read> params: DepthParams;
 @group(0) @binding(1) var<storage, read> list: SkipList;
 @group(0) @binding(2) var<storage, read_write> depths: array<u32>;

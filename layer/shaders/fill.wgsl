@@ -87,8 +87,8 @@ fn place(group: vec3<u32>, groups: vec3<u32>, thread: u32) -> Place {
     return Place(entry.y != 0u, block * BLOCK, entry.x >> 24u, entry.y);
 }
 
-// A source block as seen from the skipped one: of its pixels only four are the nearest to any, those of an edge or, four times the same,
-// of a corner.
+// A source block as seen from the skipped one: only four of its pixels are the nearest to any, the pixels of an edge or, four times the same, of a
+// corner.
 struct Source {
     // From the skipped block's first pixel on, pixels.
     first: vec2<i32>,
@@ -126,7 +126,7 @@ fn part(source: Source, pixel: vec2<i32>) -> Part {
     let away = nearest(source, pixel) - pixel;
     let color = select(source.colors[pixel.y], source.colors[pixel.x], source.by_column);
     let usable = source.there && select(source.usable[pixel.y], source.usable[pixel.x], source.by_column);
-    // Selected, not multiplied: what is left out may be NaN.
+    // Selected, not multiplied: the value that is left out may be NaN.
     return Part(select(vec4(0.0), color, usable), select(0.0, 1.0 / f32(max(dot(away, away), 1)), usable));
 }
 
@@ -186,7 +186,7 @@ fn fill_word(place: Place, sources: Sources, format: u32, pixel: vec2<i32>) {
     textureStore(words, place.origin + pixel, place.layer, vec4(word, 0u, 0u, 0u));
 }
 
-// Written out, as all of the block: what a loop takes from arrays is in memory.
+// Unrolled, like the whole block: array elements that a loop reads are in memory.
 fn fill_word_row(place: Place, sources: Sources, format: u32, row: i32) {
     fill_word(place, sources, format, vec2(0, row));
     fill_word(place, sources, format, vec2(1, row));

@@ -1,7 +1,7 @@
 // Kernel `mask`: from the rates of tiles to the blocks that a pass skips: the depth template, and the list that `fill` reads.
-// Reference: core/src/mask.rs and what it calls. Which blocks are shaded first, a bit each; then the list, a thread for each block; then the
-// sources of what is listed, and its template, which says before that everything is shaded. Nothing is done under a branch that few threads
-// take: software devices go through it with all.
+// Reference: core/src/mask.rs and the functions it calls. First the shaded blocks, a bit each; then the list, a thread for each block; then the
+// sources of the listed blocks, and their template, which before that marks everything as shaded. No work is under a branch that few threads take:
+// software devices run it with all threads.
 
 struct MaskParams {
     extent: vec2<u32>,
@@ -21,7 +21,7 @@ struct MaskParams {
     block_rows: u32,
 }
 
-// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+// Storage: lavapipe of Mesa 22.3 recompiles a shader that branches on uniforms for each dispatch.
 @group(0) @binding(0) var<storage, read> params: MaskParams;
 // Six words for each view, see view_words.
 @group(0) @binding(1) var<storage, read> views: array<u32>;
@@ -109,7 +109,7 @@ fn view_at(index: u32) -> View {
     return View(views[at + 1u], vec2(views[at + 2u], views[at + 3u]), vec2(views[at + 4u], views[at + 5u]));
 }
 
-// What becomes of a block: OUTSIDE of any view it is shaded, STALE ones are skipped and not filled.
+// Fate of a block: OUTSIDE of any view it is shaded; STALE blocks are skipped and not filled.
 const OUTSIDE: u32 = 0u;
 const SHADED: u32 = 1u;
 const FILLED: u32 = 2u;

@@ -11,7 +11,7 @@ struct ResolveParams {
     available: vec4<u32>,
 }
 
-// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+// Storage: lavapipe of Mesa 22.3 recompiles a shader that branches on uniforms for each dispatch.
 @group(0) @binding(0) var<storage, read> params: ResolveParams;
 // kernels::resolve::RateMapTable
 @group(0) @binding(1) var<storage, read> pictures: array<u32>;
@@ -36,7 +36,7 @@ fn rate_at(eye: u32, x: u32, y: u32) -> u32 {
     return (word >> (8u * (x % 4u))) & 0xffu;
 }
 
-// 1x1 for what is no rate.
+// 1x1 for a value that is not a rate.
 fn unary(texel: u32) -> u32 {
     let log2_size = vec2((texel >> 2u) & 0x1fu, texel & 3u);
     let sides = (vec2(1u) << min(log2_size, vec2(2u))) - 1u;

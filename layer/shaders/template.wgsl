@@ -9,7 +9,7 @@ struct TemplateParams {
     shaded: u32,
 }
 
-// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+// Storage: lavapipe of Mesa 22.3 recompiles a shader that branches on uniforms for each dispatch.
 @group(0) @binding(0) var<storage, read> params: TemplateParams;
 @group(0) @binding(1) var<storage, read> depths: array<u32>;
 

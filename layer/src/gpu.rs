@@ -163,8 +163,8 @@ impl Gpu {
             return Err(GpuError::Unsupported("a queue without graphics and compute"));
         };
         let times = SubmitTimes::new(family.timestamp_valid_bits, gpu.limits.timestamp_period);
-        // SAFETY: the caller says that the device was created with this queue, which the loader's callback
-        // may see again: it writes the same pointer.
+        // SAFETY: the caller guarantees that the device was created with this queue. The loader's callback may see the queue again: it writes the
+        // same pointer.
         unsafe {
             gpu.queue = gpu.device.get_device_queue(queue_family, queue_index);
             functions::init_dispatch(record, gpu.queue)?;
@@ -418,7 +418,7 @@ impl Drop for Gpu {
         let commands = self.commands.get_mut().unwrap_or_else(PoisonError::into_inner);
         let Some(ring) = commands.take() else { return };
         if self.is_abandoned() || ring.wait_all(&self.device).is_err() {
-            // SAFETY: whoever calls it vouches for the device, and that nothing is under way.
+            // SAFETY: the caller of the closure guarantees that the device is live, and that no work is in progress on it.
             self.leave(Box::new(move |device| unsafe { ring.destroy(device) }));
         } else {
             // SAFETY: the device is live, as it was not abandoned, and the ring's work has finished.

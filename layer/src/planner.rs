@@ -236,7 +236,7 @@ impl Planning {
             eye.refresh = settings.schedule.is_some() && !has_history;
         }
         let gaze = match config.gaze.source {
-            // One ray, of eyes that look at something whose distance nobody knows.
+            // One ray: the distance of the point that the eyes look at is unknown.
             GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
                 self.gaze.state(time_ns).with_nearest(self.views.positions(), self.views.nearest_m())
             }

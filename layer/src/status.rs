@@ -128,7 +128,7 @@ impl Shared {
         status.settings = self.settings.lock().unwrap_or_else(PoisonError::into_inner).as_ref().clone();
         let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         match &*file {
-            // A full or missing file system: whoever looks sees that nothing is told.
+            // A full or missing file system: a reader sees that the file is not updated.
             Some(file) => file.write(status).is_ok(),
             None => false,
         }

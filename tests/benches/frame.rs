@@ -175,7 +175,7 @@ fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
         let config = format!("preset = \"{preset}\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n");
         Technique::layer(&format!("rates {preset}"), &config)
     }));
-    // By contrast alone: nothing is heard.
+    // By contrast alone: there is no sound.
     techniques.push(Technique::layer(
         "contrast",
         "preset = \"balanced\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n",
@@ -214,7 +214,7 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
     let run_up = request.run_up.unwrap_or(if has_layer { LAYER_RUN_UP } else { RUN_UP_ALONE });
     let timed = Effort { run_up, ..request.timed };
     let judged = match has_layer {
-        // As it is timed, with the saccade in the middle of what is judged.
+        // With the run-up of the timed runs, and the saccade in the middle of the judged frames.
         true => Effort { run_up, ..request.judged },
         false => request.judged,
     };

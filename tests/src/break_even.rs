@@ -159,7 +159,7 @@ mod tests {
             panic!("no crossing")
         };
         assert!((ns - 4.0).abs() < 1e-9);
-        // What is below 1 by noise alone, before a dearer pixel at which it costs, is no gain.
+        // A ratio below 1 by noise alone, before a more expensive pixel at which the layer costs time, is not a gain.
         let BreakEven::At(ns) = at(&[(1.0, 0.99), (2.0, 1.1), (8.0, 0.9)]) else { panic!("no crossing") };
         assert!((ns - 4.0).abs() < 1e-9);
         assert_eq!(at(&[(1.0, 0.9), (2.0, 0.8)]), BreakEven::Below(1.0));

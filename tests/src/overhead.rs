@@ -104,7 +104,7 @@ const ARMED: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"off\
 /// Errors of the harness, and an application that does not finish.
 pub fn hello_xr(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
     let application = Application::hello_xr("Vulkan2")?;
-    // Small pictures: what the layer adds is the same, and less of the driver's own work hides it.
+    // Small pictures: the layer adds the same time, and less of the driver's own work hides it.
     let scenario = Scenario::new(effort.frames).sized(64, 64);
     let [frame] = by_turns(effort, |case| {
         let outcome = case.set_up(Run::new(&application, &scenario), ARMED).finish()?;

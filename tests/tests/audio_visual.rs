@@ -64,7 +64,7 @@ fn maps(outcome: &Outcome) -> Vec<Vec<u8>> {
     for line in outcome.shading_rates().unwrap() {
         match line {
             ShadingRateLine::Finding(finding) => findings.push(finding),
-            // The runtime draws as UNORM what it saves.
+            // The runtime draws its saved pictures as UNORM.
             ShadingRateLine::Pass(pass) if pass.formats != ["R8G8B8A8_SRGB"] || pass.map.is_none() => {}
             ShadingRateLine::Pass(ShadingRatePass { map, .. }) => {
                 let texels = map.unwrap().texels.unwrap();
@@ -250,7 +250,7 @@ fn sound_comes_and_goes() {
     listening.play(SETTLED);
     assert!(!listening.is_heard());
     let silent = listening.frames;
-    // Other settings have the file begin anew.
+    // With other settings the file starts again.
     std::fs::write(listening.player.config_file(), config_with(1.1)).unwrap();
     listening.play_until_heard(true);
     listening.play(5);
@@ -327,8 +327,8 @@ fn rings_from_the_gpu_are_those_of_the_cpu() {
         "another mask without a server"
     );
     assert!(fixed[0] != reference.submitted(0, FRAMES - 1).unwrap(), "nothing is skipped");
-    // What changes is looked for without waiting, so that what is re-used differs from run to run, and more on a busy machine: another
-    // map would differ in each of them.
+    // The search for changes does not wait, so that the re-used tiles differ from run to run, and more on a busy machine: another
+    // map would differ in each run.
     let least_psnr_db = || {
         let [fixed, silent] =
             ["fixed", "audio-visual"].map(|mode| picture_of(mode, "[reuse]\nmode = \"on\""));

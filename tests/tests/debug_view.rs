@@ -102,7 +102,7 @@ fn angles_are_drawn_over_all_of_the_scene_and_leave_it_visible() {
         }
         assert!(lines > 100, "{lines}");
         assert!(same < off.width * off.height / 50, "{same} pixels without a tint");
-        // What is bright stays brighter than what is dark.
+        // Bright pixels stay brighter than dark ones.
         let is_line = |x, y| {
             let angle = view.eccentricity_deg(&off, x, y);
             (angle - (angle / 10.0).round() * 10.0).abs() < 0.2 + BETWEEN_EYES_DEG
@@ -199,7 +199,7 @@ fn overlays_follow_the_gaze_on_resubmitted_images() {
     let run = |config: &str| Run::new(&application, &scenario).on(config).validated().finish().unwrap();
     let (off, on) = (run(NONE), run(&with_view(NONE, "gaze")));
     assert_valid(&on, &off);
-    // The column of the middle of what differs.
+    // The column of the middle of the pixels that differ.
     let dot = |frame| {
         let [off, on] = [&off, &on].map(|outcome| outcome.submitted(0, frame).unwrap());
         let drawn: Vec<u32> =
@@ -311,7 +311,7 @@ fn an_edit_shows_it_in_images_of_the_runtime() {
     let newest = || saved.iter().rev().find(|frame| running.has_submitted(1, **frame)).copied();
     wait_until(&running, || newest() >= Some(30));
     std::fs::write(running.config_file(), with_view(ARMED, "gaze")).unwrap();
-    // Half a second until it is seen, and as much for a machine that does much else.
+    // Half a second until the view appears, and as much again for a busy machine.
     let with = newest().unwrap() + 90;
     wait_until(&running, || newest() >= Some(with));
     let outcome = running.quit().unwrap();

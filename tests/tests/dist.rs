@@ -56,7 +56,7 @@ fn hello_xr_runs_with_the_content_of_the_package() {
         said(&told)
     );
 
-    // The guide leads to no file that is not there.
+    // The guide has no links to missing files.
     let documents = root.join("usr/share/doc/parafovea");
     for name in ["GUIDE.md", "HOW-IT-WORKS.md"] {
         let text = fs::read_to_string(documents.join(name)).unwrap();

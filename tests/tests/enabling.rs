@@ -81,7 +81,7 @@ fn the_openxr_half_named_explicitly_switches_the_vulkan_half_on() {
     let library = file("libparafovea.so");
     std::fs::copy(Library::Parafovea.path().unwrap(), &library).unwrap();
     let library = library.to_str().unwrap();
-    // The Vulkan loader is told nothing of this folder.
+    // The Vulkan loader is given no path to this folder.
     std::fs::write(file("vulkan.json"), Half::Vulkan.manifest(library, Activation::Explicit)).unwrap();
     std::fs::create_dir(file("openxr")).unwrap();
     std::fs::write(file("openxr/layer.json"), Half::OpenXr.manifest(library, Activation::Explicit)).unwrap();

@@ -89,7 +89,7 @@ fn a_late_gaze_costs_in_saccades_and_not_in_fixations() {
 
     let jump = first_large.start_s - 0.05;
     let (in_time, too_late) = (loss(Tracker::IDEAL, jump), loss(late, jump));
-    // In flight colour is kept where the gaze is expected to land, which is not quite where it is.
+    // In flight colour is kept where the gaze is expected to land, which is not quite its current direction.
     assert!(20.0 * in_time < too_late, "saccade: error {in_time} in time, {too_late} too late");
     let still = rest[0].start_s + rest[0].duration_s + 0.3;
     let (in_time, too_late) = (loss(Tracker::IDEAL, still), loss(late, still));

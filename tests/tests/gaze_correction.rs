@@ -150,7 +150,7 @@ fn eyes_that_do_not_follow_the_dots_change_nothing() {
 #[test]
 fn a_stored_correction_moves_the_rates_of_its_source_alone() {
     let [left, up] = OFFSET;
-    // What undoes the distortion, in units of 10 degrees.
+    // Inverse of the distortion, in units of 10 degrees.
     let (sin, cos) = 2f32.to_radians().sin_cos();
     let calibration = || GazeCalibration {
         coefficients_deg: [

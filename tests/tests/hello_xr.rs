@@ -21,7 +21,7 @@ const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"contrast
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n[debug]\nview = \"eccentricity\"\n";
 
 fn check(graphics: &str) {
-    // On with nothing to do, and on with images of ours, and work on them, in every frame.
+    // Enabled without work, and enabled with the layer's own images and work on them in every frame.
     let chroma = "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\n";
     for (configs, has_rates) in [(&["", chroma, EVERYTHING][..], false), (&[EVERYTHING], true)] {
         let reference = run(graphics, None, has_rates);

@@ -70,7 +70,7 @@ fn complaints(calls: &[Call]) -> Vec<String> {
         if body.is_empty() {
             complaints.push(format!("{file} has no function {name}"));
         }
-        // Its own calls: those of the next deeper indent, until one that is not deeper than itself.
+        // Its own calls: the calls of the next deeper indent, up to one that is not deeper than itself.
         let below = || calls[index + 1..].iter().take_while(|other| other.indent > indent);
         let deeper = below().map(|other| other.indent).min();
         let mut from = 0;

@@ -80,7 +80,7 @@ fn allocations(config: &str, frames: u64) -> f64 {
     let run = Run::new(&application, &scenario(frames)).on(config);
     let run = run.env("LD_PRELOAD", counter).env("PARAFOVEA_TEST_ALLOCATIONS_OF", "libparafovea.so");
     let run = run.env("PARAFOVEA_TEST_ALLOCATIONS_FILE", file.path());
-    // The thread of the status allocates once a second, whatever the number of frames.
+    // The thread of the status allocates once a second, regardless of the number of frames.
     let run = run.env("PARAFOVEA_TEST_ALLOCATIONS_EXCEPT", "parafovea-tell");
     run.finish().unwrap().expect_frames(frames).unwrap();
     let count: f64 = std::fs::read_to_string(file.path()).unwrap().parse().unwrap();

@@ -50,7 +50,7 @@ impl Work {
             Self::Reuse => (zoo("render-pass"), REUSE),
             Self::Follow => (zoo("submitted-depth"), FOLLOW),
         };
-        // What does not turn is copied from earlier pictures, and what turns is sampled.
+        // Without a turn, tiles are copied from earlier pictures; with a turn, they are sampled.
         let head = |t: f64| Head {
             t,
             position: [if self == Self::Follow { 0.8 * t as f32 } else { 0.0 }, 1.6, 0.0],

@@ -246,7 +246,7 @@ fn a_session_that_is_inert_has_the_correction_too() {
     let run = Run::new(&application, &scenario).timeout(Duration::from_secs(120)).listing_eye_gaze();
     let run = run.layer(LayerMode::OpenXrHalf(offers_packets(address))).env("XDG_STATE_HOME", state.path());
     let running = run.start().unwrap();
-    // A tracker that comes and goes by itself: an inert session does not tell whether it gives the gaze.
+    // A tracker that comes and goes by itself: an inert session does not report whether it gives the gaze.
     let begun = Instant::now();
     let _sender = Sender::moving(address, move || match begun.elapsed().as_secs() % 6 {
         0..3 => message("/tracking/eye/CenterPitchYaw", &[-SENT[1], -SENT[0]]),

@@ -163,7 +163,7 @@ fn a_port_that_is_taken_is_told_and_costs_no_more() {
     let log = running.log();
     let line = format!("no gaze from OSC packets: gaze.osc_listen = \"{address}\"");
     assert_eq!(log.matches(&line).count(), 1, "{log}");
-    // Whoever had it ends.
+    // The previous holder of the port closes it.
     drop(taken);
     told(&running, |status| status.gaze.osc.failure.is_empty() && status.frames > 3);
 }

@@ -191,7 +191,7 @@ fn rates_are_those_of_the_paper() {
         let expected = paper_map(&picture, fov, features);
         let map = maps.last().unwrap();
         assert_eq!(map.len(), expected.len());
-        // A tile is at full rate in one of so many frames, for contrast that coarse shading hides from the analysis.
+        // A tile is at full rate in one frame of several, for contrast that coarse shading hides from the analysis.
         let differing: Vec<(&u8, &u8)> =
             map.iter().zip(&expected).filter(|(live, paper)| live != paper).collect();
         println!("{lufs} LUFS: {} of {} tiles differ", differing.len(), map.len());

@@ -56,7 +56,7 @@ fn a_dropped_technique_is_back_with_an_edit_of_the_configuration() {
         sleep(Duration::from_millis(20));
     }
 
-    // Three samples and the frames between them, which count though nobody notices them.
+    // Three samples and the frames between them, which count although the layer has no work in them.
     playing.play(800);
     let frames = playing.frames;
     let status = playing.play_until(|status| status.frames >= frames);

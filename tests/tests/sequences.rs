@@ -15,7 +15,7 @@ const AT_ONCE: u64 = 2_500;
 
 fn lines(arguments: &[&str], is_on: bool) -> Vec<String> {
     let mut scenario = Scenario::new(0).sized(32, 32);
-    // Warnings of unknown structures would be most of what is written.
+    // Warnings of unknown structures would fill most of the record.
     scenario.output.record = false;
     let run = Run::new(&Application::ours("parafovea-cases", arguments).unwrap(), &scenario);
     let run = if is_on { run.on(EVERYTHING) } else { run };
@@ -95,7 +95,7 @@ fn compare_recordings(processes: u64) {
         let mut new = at_work.findings.beyond(&off.findings);
         new.retain(|found| !found.is_of_stand_in());
         assert!(new.is_empty(), "seed {seed}: {new:#?}\n{}", at_work.log);
-        // What is recorded is allowed: else nothing would be shown by it.
+        // The application's own calls are valid: otherwise the test would show nothing.
         assert!(off.findings.vulkan.iter().all(|found| found.is_of_stand_in()), "{:#?}", off.findings);
         for outcome in [&ready, &at_work] {
             for told in ["internal error", " WARN ", " ERROR "] {

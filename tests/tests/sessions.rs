@@ -36,7 +36,7 @@ fn sessions_on_one_device_share_pipelines_which_go_with_it() {
 fn loaders_may_be_closed_and_opened_again() {
     const LIVES: usize = 3;
     let application = Application::ours("parafovea-cases", &["separate_swapchains", "--lives", "3"]).unwrap();
-    // The runtime's record begins anew with each life.
+    // The runtime starts a new record with each life.
     let run = Run::new(&application, &Scenario::new(0).saving(&[6])).validated();
     let [off, on] = [run.clone(), run.on(CHROMA)].map(|run| run.finish().unwrap().expect_end().unwrap());
     let reports = |outcome: &Outcome| -> Vec<Report> {

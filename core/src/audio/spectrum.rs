@@ -89,7 +89,7 @@ impl Spectrum {
                     *windowed = (sample - offset) * weight;
                 }
                 start += window.len() / 2;
-                // The buffers are those that the transform asked for: never refused.
+                // The transform made the buffers itself: it never refuses them.
                 if fft.process_with_scratch(frame, bins, scratch).is_err() {
                     continue;
                 }

@@ -57,7 +57,7 @@ impl AudioFeatures {
         let late_s = age_s - interval_s;
         let fresh = 1.0 - ((late_s - FULL_S) / (NOTHING_S - FULL_S)).clamp(0.0, 1.0);
         let trust = fresh * confidence.clamp(0.0, 1.0);
-        // Also where it is no number.
+        // Also if the trust is NaN.
         if trust.is_nan() || fresh <= 0.0 {
             return None;
         }

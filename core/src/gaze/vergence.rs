@@ -78,7 +78,7 @@ mod tests {
             for direction in eye_directions(gaze, eyes.map(Vec3::from), distance_m) {
                 prop_assert!(direction.is_normalized());
                 let from = unit_direction(gaze).unwrap_or(Vec3::NEG_Z);
-                // An eye 6 cm to the side that looks at 10 cm: 31 degrees, asin(0.6) = 37 where it is not square.
+                // An eye 6 cm to the side that looks at 10 cm: 31 degrees, asin(0.6) = 37 if the offset is not at right angles to the gaze.
                 prop_assert!(from.angle_between(direction).to_degrees() < 37.5);
             }
         }

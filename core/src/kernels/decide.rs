@@ -255,7 +255,7 @@ fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
 
 /// Lowers the permitted levels of tiles at these squared chords to the level of the last ring that each has reached; 0 before all rings.
 fn limit_by_rings(permitted: &mut [u8], chords: &[f32], rings: &[f32; 4], levels: &[u32; 4]) {
-    // So many at once that vectors hold them as numbers of 32 bits and of 8.
+    // Tiles at once: vectors hold this number of 32-bit and of 8-bit values.
     const LANES: usize = 16;
     // Rings rise, so that a tile at one of them is at all before it: the steps up to its level are added up.
     let [a, b, c, d] = *levels;

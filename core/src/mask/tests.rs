@@ -255,7 +255,7 @@ fn stale_tiles_are_skipped_and_neither_filled_nor_read() {
         }
         let shaded = skipped.texels().iter().filter(|skipped| !**skipped).count() as f32 / 4096.0;
         assert!((mask.shaded() - shaded).abs() < 1e-6);
-        // Half of the tiles, and what is added where sources are missing.
+        // Half of the tiles, and the blocks that are added where sources are missing.
         assert!(
             (rate.fraction() * 0.45..=rate.fraction() * 0.6 + 0.02).contains(&shaded),
             "{rate:?} {shaded}"

@@ -106,7 +106,7 @@ impl SensitivityFall {
     #[inline]
     pub fn at(&self, eccentricity_deg: f32, field: VisualField) -> f32 {
         let [least, greatest] = Stimulus::ECCENTRICITY_DEG;
-        // In this order NaN is lost, as it is not with `clamp`.
+        // In this order NaN becomes the least value; `clamp` would keep it.
         let eccentricity_deg = eccentricity_deg.max(least).min(greatest);
         exp2(self.log2_foveal - self.log2_per_deg(field) * eccentricity_deg)
     }

@@ -96,7 +96,7 @@ impl CellAges {
         const BAND: usize = PATCH_SIDE * SIDE;
         let bands = self.ages[eye].chunks_exact_mut(BAND).zip(self.due.chunks_exact_mut(BAND));
         for (band, ((ages, due), periods)) in bands.zip(self.periods.chunks_exact(BAND)).enumerate() {
-            // Of each column: the periods whose turn it is, by region; 0 (no period) where it is not.
+            // By region and column: the period if it is due in this frame, else 0 (no period).
             let mut called = [[0; SIDE]; REGIONS];
             for (region, called) in called.iter_mut().enumerate() {
                 for (patch, called) in called.chunks_exact_mut(PATCH_SIDE).enumerate() {

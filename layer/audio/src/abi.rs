@@ -91,14 +91,14 @@ unsafe extern "C" fn news(capture: Handle, text: *mut u8, capacity: u32) -> u32 
 unsafe extern "C" fn stop(capture: Handle) {
     guarded((), || {
         if !capture.is_null() {
-            // SAFETY: a box that `start` let go of; by the table's contract nobody uses it any more.
+            // SAFETY: a box that `start` released; by the table's contract no code uses it any more.
             drop(unsafe { Box::from_raw(capture.cast_mut().cast::<Capture>()) });
         }
     });
 }
 
 fn guarded<R>(otherwise: R, call: impl FnOnce() -> R) -> R {
-    // Unwind safety: what is shared is atomic or behind a mutex.
+    // Unwind safety: all shared state is atomic or behind a mutex.
     catch_unwind(AssertUnwindSafe(call)).unwrap_or(otherwise)
 }
 

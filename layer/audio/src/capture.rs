@@ -58,8 +58,8 @@ impl Capture {
     fn spawn(&self, name: &str, run: fn(&Shared)) -> io::Result<()> {
         let shared = self.0.clone();
         let run = move || {
-            // Unwind safety: what is shared is atomic or behind a mutex. A panic is said below, by the hook of whoever
-            // has one; sound then is no more, and ages out of the plans.
+            // Unwind safety: all shared state is atomic or behind a mutex. A panic is reported below, and by a panic hook if one is set. After it
+            // there is no more sound, and the last features age out of the plans.
             if catch_unwind(AssertUnwindSafe(|| run(&shared))).is_err() {
                 shared.messages.say("capture ended: internal error".to_owned());
                 shared.stop();

@@ -39,7 +39,7 @@ impl<R: Read + Seek> Wav<R> {
         let file = WavReader::new(file)?;
         let spec = file.spec();
         let format = Format { sample_rate_hz: spec.sample_rate, channels: u32::from(spec.channels) };
-        // Before anything is made as large as the header says.
+        // Checked before any allocation of the size that the header states.
         check_format(format.sample_rate_hz, format.channels)?;
         let frames = file.duration();
         if frames == 0 {

@@ -40,7 +40,7 @@ impl Copy {
             vulkan.view(image, format, vk::ImageAspectFlags::COLOR, vk::ImageUsageFlags::SAMPLED);
         let spirv = spirv();
         let device = &vulkan.device;
-        // SAFETY: plain use of Vulkan with live handles; the shader's bindings are those of the layout.
+        // SAFETY: plain use of Vulkan with live handles; the shader's bindings are the layout's.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
             let set_layouts = [device.create_descriptor_set_layout(&info, None).unwrap()];

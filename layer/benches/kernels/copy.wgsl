@@ -1,4 +1,4 @@
-// What is compared with: every texel read once and written once, by the same workgroups as the kernels of pictures.
+// Baseline of the comparison: every texel read once and written once, by the same workgroups as the kernels of pictures.
 
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var<storage, read_write> copied: array<vec4<f32>>;

@@ -25,7 +25,7 @@ fn main() -> ExitCode {
 fn answer(question: &str) -> Result<String, String> {
     let answer = match question {
         "layers" => {
-            // A loader that is not there is told by another finding.
+            // A missing loader is reported by another finding.
             let (openxr, vulkan) = (openxr_runtime::layers().ok(), vulkan_devices::layers().ok());
             serde_json::to_string(&LoaderLayers { openxr, vulkan })
         }

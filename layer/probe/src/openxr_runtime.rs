@@ -18,7 +18,7 @@ pub fn layers() -> Result<Vec<String>, String> {
 pub fn answer() -> Result<RuntimeAnswer, String> {
     let entry = entry()?;
     let mut answer = RuntimeAnswer::default();
-    // Whatever fails from here on is an answer of the runtime.
+    // Any failure from here on is an answer of the runtime.
     if let Err(failure) = ask(&entry, &mut answer) {
         answer.failure = failure;
     }

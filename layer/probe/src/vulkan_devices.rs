@@ -18,7 +18,7 @@ pub fn layers() -> Result<Vec<String>, String> {
 pub fn answer() -> Result<VulkanAnswer, String> {
     let entry = entry()?;
     let (instance, version) = instance(&entry)?;
-    // SAFETY: a live instance; what is asked needs Vulkan 1.1, which is made sure of, and it is destroyed last.
+    // SAFETY: a live instance, which is destroyed last; the queries need Vulkan 1.1, which `describe` checks.
     let devices = unsafe {
         let devices = instance
             .enumerate_physical_devices()

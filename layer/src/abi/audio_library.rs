@@ -41,7 +41,7 @@ pub struct Capture {
 
 // SAFETY: by the table's contract all its functions may be called from any thread.
 unsafe impl Send for Capture {}
-// SAFETY: as above; each function takes care of what threads share.
+// SAFETY: as above; each function synchronises the state that threads share.
 unsafe impl Sync for Capture {}
 
 impl Capture {
@@ -71,7 +71,7 @@ impl Capture {
     /// The oldest line for the log that was not taken yet.
     pub fn news(&self) -> Option<String> {
         let mut text = [0; LONGEST_LINE];
-        // SAFETY: a live capture, and room for as many bytes as it says.
+        // SAFETY: a live capture, and a buffer of as many bytes as the passed length.
         let length = unsafe { (self.table.news)(self.handle, text.as_mut_ptr(), text.len() as u32) };
         let line = text.get(..length as usize).filter(|line| !line.is_empty())?;
         Some(String::from_utf8_lossy(line).into_owned())
@@ -101,7 +101,7 @@ fn load(path: &Path) -> Result<CaptureTable, NotLoaded> {
         std::mem::transmute::<*mut libc::c_void, Option<GetTable>>(get_table)
     };
     let get_table = get_table.ok_or_else(|| NotLoaded::Foreign(path.to_owned()))?;
-    // SAFETY: the table lives as long as the library; the version comes first in every version of it, and says how it goes on.
+    // SAFETY: the table lives as long as the library; the version is the first member in every version of it, and determines the members after it.
     unsafe {
         let table = get_table();
         let version = (&raw const (*table).version).read();

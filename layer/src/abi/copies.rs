@@ -82,7 +82,7 @@ impl<'a> Copies<'a> {
         let Some((before, found)) = (unsafe { split_at::<T>(first) }) else { return first };
         if before.iter().any(|structure| size_of_structure(structure.s_type).is_none()) {
             let structure = found.cast_mut();
-            // SAFETY: a valid T of the application's, which nobody else uses during the call that it was passed to.
+            // SAFETY: a valid T of the application's, which no other code uses during the call that it was passed to.
             unsafe {
                 let saved = self.one(*structure);
                 self.amended_in_place.push(Original {
@@ -207,8 +207,8 @@ macro_rules! sizes {
     };
 }
 
-// Those that extend VkGraphicsPipelineCreateInfo, VkSubpassDescription2, VkRenderPassBeginInfo, VkRenderingInfo,
-// VkFramebufferCreateInfo and VkCommandBufferInheritanceInfo, as the registry of Vulkan 1.3.281 has them.
+// Structures that extend VkGraphicsPipelineCreateInfo, VkSubpassDescription2, VkRenderPassBeginInfo, VkRenderingInfo, VkFramebufferCreateInfo and
+// VkCommandBufferInheritanceInfo, as the registry of Vulkan 1.3.281 has them.
 sizes! {
     AttachmentSampleCountInfoAMD,
     CommandBufferInheritanceConditionalRenderingInfoEXT,

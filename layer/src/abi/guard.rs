@@ -58,8 +58,8 @@ pub fn guard<R: Copy>(
         injected::before(call);
         hook(answer)
     };
-    // Unwind safety: whatever a hook may leave half done is behind a mutex or an atomic of ours, and is only
-    // state about the application's objects, never memory that others own.
+    // Unwind safety: all state that a hook may leave half done is behind a mutex or an atomic of ours. It is only state about the application's
+    // objects, never memory that others own.
     match catch_unwind(AssertUnwindSafe(|| hook(&answer))) {
         Ok(result) => result,
         Err(panic) => {

@@ -64,8 +64,7 @@ impl<'a> Chain<'a> {
     /// The first structure of type `T`.
     pub fn find<T: Structure>(mut self) -> Option<&'a T> {
         let found = Iterator::find(&mut self, |header| header.ty == T::number())?;
-        // SAFETY: `Structure` says that a structure of this number is a T; it is valid for 'a, as all of
-        // the chain is.
+        // SAFETY: `Structure` guarantees that a structure of this number is a T; it is valid for 'a, as all of the chain is.
         Some(unsafe { &*std::ptr::from_ref(found).cast::<T>() })
     }
 }

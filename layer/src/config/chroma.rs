@@ -12,7 +12,7 @@ pub fn chroma_settings(config: &Config) -> Option<ChromaSettings> {
         ChromaMode::Default => Mode::Default,
         ChromaMode::Paper => Mode::Paper,
     };
-    // In default mode floor and rim are above the curves nearly everywhere, whatever their bounds.
+    // In default mode floor and rim are above the curves nearly everywhere, regardless of the curves' bounds.
     let ChromaSettings { cb_bound, cr_bound, .. } = match mode {
         Mode::Default => ChromaSettings::default(),
         Mode::Paper => ChromaSettings {

@@ -158,7 +158,7 @@ fn update_settings(config: &Config) -> Option<UpdateSettings> {
         ReusePhase::Aligned => Phase::Aligned,
         ReusePhase::AlternateEye => Phase::AlternateEye,
     };
-    // What the options accept, the models do.
+    // The models accept all values that the options accept.
     let configuration = UpdateConfiguration::new(config.reuse.periods.of_regions()).unwrap_or_default();
     let schedule = Schedule { configuration, phase, ..Schedule::default() };
     Some(UpdateSettings {

@@ -35,7 +35,7 @@ impl MemoryBudget {
         // SAFETY: the physical device is live, as above; without room the count is asked for.
         unsafe { extensions(device, no_layer, &mut count, std::ptr::null_mut()) }.result().ok()?;
         let mut all = vec![vk::ExtensionProperties::default(); count as usize];
-        // SAFETY: as above; there is room for as many extensions as the count says.
+        // SAFETY: as above; there is room for as many extensions as the count states.
         unsafe { extensions(device, no_layer, &mut count, all.as_mut_ptr()) }.result().ok()?;
         let is_it = |extension: &vk::ExtensionProperties| {
             extension.extension_name_as_c_str() == Ok(vk::EXT_MEMORY_BUDGET_NAME)

@@ -41,7 +41,7 @@ impl MappedBuffer {
         let memory = gpu
             .allocate(&requirements, coherent | wished)
             .or_else(|_| gpu.allocate(&requirements, coherent))?;
-        // SAFETY: both are new; the memory is what the buffer requires, and not mapped yet.
+        // SAFETY: both are new; the memory meets the buffer's requirements, and is not mapped yet.
         let mapped = unsafe {
             gpu.device
                 .bind_buffer_memory(buffer.handle(), memory.handle(), 0)
@@ -81,7 +81,7 @@ impl ResultRing {
         if size > u64::from(gpu.limits.max_storage_buffer_range) {
             return Err(GpuError::Unsupported("a storage buffer of this size"));
         }
-        // Reading what is not cached is slow.
+        // Reads of uncached memory are slow.
         let cached = vk::MemoryPropertyFlags::HOST_CACHED;
         let mut buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::STORAGE_BUFFER, cached)?;
         buffer.write(0, &vec![0; size as usize])?;

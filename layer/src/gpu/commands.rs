@@ -73,7 +73,7 @@ impl CommandRing {
         match unsafe { ring.fill(device) } {
             Ok(()) => Ok(ring),
             Err(error) => {
-                // SAFETY: nothing was submitted, and what was not created is null, which destroying ignores.
+                // SAFETY: nothing was submitted, and handles that were not created are null, which the destroy functions ignore.
                 unsafe { ring.destroy(device) };
                 Err(error)
             }
@@ -166,7 +166,7 @@ impl CommandRing {
         unsafe { self.times.begin(device, commands, index) };
         if let Err(error) = record(&Recorder::new(device, commands)) {
             self.times.forget(index);
-            // SAFETY: the command buffer is not pending; nobody else uses the pool.
+            // SAFETY: the command buffer is not pending; no other code uses the pool.
             unsafe { device.reset_command_buffer(commands, vk::CommandBufferResetFlags::empty()) }
                 .map_err(GpuError::from_call("vkResetCommandBuffer"))?;
             return Err(error);
@@ -187,7 +187,7 @@ impl CommandRing {
         index: usize,
         commands: vk::CommandBuffer,
     ) -> Result<(), GpuError> {
-        // Until the submit succeeds, nobody may wait for the fence: it would never be signalled.
+        // Until the submit succeeds, no thread may wait for the fence: it would never be signalled.
         self.slots[index].submit = 0;
         // SAFETY: the fence is not in use: it was waited for, or never submitted.
         if unsafe { device.reset_fences(&[self.slots[index].fence]) }.is_err() {
@@ -290,7 +290,7 @@ impl CommandRing {
     /// # Safety
     /// `device` is live, and nothing of the ring is under way on it.
     pub(super) unsafe fn destroy(self, device: &ash::Device) {
-        // SAFETY: all work has finished, and nobody else has these handles.
+        // SAFETY: all work has finished, and no other code has these handles.
         unsafe {
             for slot in &self.slots {
                 device.destroy_fence(slot.fence, None);

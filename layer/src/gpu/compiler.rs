@@ -114,7 +114,7 @@ impl Compiler {
 
     /// Notes that the device is about to be destroyed: nothing more is made, and the thread has ended after this.
     pub(crate) fn end(&self) {
-        // What the thread made may have been the last to name the compiler.
+        // The object that the thread made may have had the last reference to the compiler.
         if let Some(thread) = self.stop().filter(|thread| thread.thread().id() != current().id()) {
             // Panics were caught.
             let _ = thread.join();

@@ -26,8 +26,8 @@ impl DeviceBuffer {
             gpu.allocate(requirements, coherent | vk::MemoryPropertyFlags::DEVICE_LOCAL)
                 .or_else(|_| gpu.allocate(requirements, coherent))
         })?;
-        // SAFETY: the memory is what the buffer requires, hence as long as the slice, and mapped by nobody else. Zeroes
-        // make it initialised before it is seen as a slice.
+        // SAFETY: the memory meets the buffer's requirements, hence is as long as the slice, and no other code maps it. Zeroes make it initialised
+        // before it is used as a slice.
         unsafe {
             let memory = made.memory.handle();
             let mapped = gpu
@@ -84,7 +84,7 @@ impl DeviceBuffer {
         // SAFETY: the buffer is a live one of this device.
         let requirements = unsafe { gpu.device.get_buffer_memory_requirements(buffer.handle()) };
         let memory = allocate(&requirements)?;
-        // SAFETY: both are new, and the memory is what the buffer requires.
+        // SAFETY: both are new, and the memory meets the buffer's requirements.
         unsafe { gpu.device.bind_buffer_memory(buffer.handle(), memory.handle(), 0) }
             .map_err(GpuError::from_call("vkBindBufferMemory"))?;
         Ok(Self { buffer, memory })

@@ -59,7 +59,7 @@ impl AppendedLayout {
             p_set_layouts: sets.as_ptr(),
             ..*info
         };
-        // SAFETY: the structure is valid with one set more, as `# Safety` demands; the layout is a new one, and nobody else's to destroy.
+        // SAFETY: the structure is valid with one set more, as `# Safety` demands; the layout is a new one, and no other code destroys it.
         let handle = unsafe {
             let handle = gpu
                 .device
@@ -121,7 +121,7 @@ impl CompatiblePass {
     /// # Safety
     /// The render pass was created on the device of `gpu`, and is not destroyed elsewhere.
     pub(crate) unsafe fn new(gpu: &Arc<Gpu>, handle: vk::RenderPass) -> Self {
-        // SAFETY: the render pass is of this device and nobody else's to destroy, as `# Safety` demands.
+        // SAFETY: the render pass is of this device and no other code destroys it, as `# Safety` demands.
         Self(unsafe { Owned::new(gpu, handle, |device, handle| device.destroy_render_pass(handle, None)) })
     }
 

@@ -51,7 +51,7 @@ impl GpuError {
     fn first_line(self, given_up: &str) -> Option<Line> {
         static LOGGED: Mutex<Vec<(GpuError, Vec<String>)>> = Mutex::new(Vec::new());
         let cause = match self {
-            // Every call says so then.
+            // Every call returns this result once the device is lost.
             Self::Call { result: vk::Result::ERROR_DEVICE_LOST, .. } => {
                 Self::Call { call: "", result: vk::Result::ERROR_DEVICE_LOST }
             }

@@ -118,7 +118,7 @@ impl Functions {
         // Only the names above: inside vkCreateDevice the loader answers the name of a device function by asking every
         // device of the instance, and the newest one has no dispatch table yet.
         let listed = |name: &CStr| INSTANCE.contains(&name).then(|| instance_function(name)).flatten();
-        // SAFETY: each pointer is what the next layer gives for that name, hence of the named function's type.
+        // SAFETY: each pointer is the one that the next layer returns for that name, hence of the named function's type.
         unsafe {
             Ok(Self {
                 instance: ash::Instance::load_with(|name| address(listed(name)), record.instance),

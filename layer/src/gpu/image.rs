@@ -61,7 +61,7 @@ impl OwnedImage {
         // SAFETY: the image is a live one of this device.
         let requirements = unsafe { gpu.device.get_image_memory_requirements(image.handle()) };
         let memory = gpu.allocate(&requirements, vk::MemoryPropertyFlags::DEVICE_LOCAL)?;
-        // SAFETY: both are new, and the memory is what the image requires.
+        // SAFETY: both are new, and the memory meets the image's requirements.
         unsafe { gpu.device.bind_image_memory(image.handle(), memory.handle(), 0) }
             .map_err(GpuError::from_call("vkBindImageMemory"))?;
         Ok(Self { image, memory })

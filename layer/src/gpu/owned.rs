@@ -39,10 +39,10 @@ impl<H: Handle> Drop for Owned<H> {
     fn drop(&mut self) {
         let (handle, destroy) = (self.handle, self.destroy);
         if self.gpu.is_abandoned() {
-            // SAFETY: whoever calls it vouches for the device, and that nothing uses the object; it is called once.
+            // SAFETY: the caller of the closure guarantees that the device is live, and that nothing uses the object; it is called once.
             self.gpu.leave(Box::new(move |device| unsafe { destroy(device, handle) }));
         } else {
-            // SAFETY: the device is live, as it was not abandoned; the rest is what `new` asks for.
+            // SAFETY: the device is live, as it was not abandoned; `new` demands the other conditions.
             unsafe { destroy(&self.gpu.device, handle) };
         }
     }

@@ -89,8 +89,7 @@ impl<'a> Recorder<'a> {
     /// within both, and do not overlap where they go to.
     pub(crate) fn copy_regions(&self, from: vk::Image, to: vk::Image, regions: &[vk::ImageCopy]) {
         let (source, target) = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-        // SAFETY: the command buffer is being recorded, outside of a render pass; both images are live and have what the
-        // regions name.
+        // SAFETY: the command buffer is being recorded, outside of a render pass; both images are live and contain the regions.
         unsafe { self.device.cmd_copy_image(self.commands, from, source, to, target, regions) };
     }
 

@@ -303,7 +303,7 @@ impl Analyze {
             commands.fill_words(same, 0);
             commands.memory_barrier(WRITES, COMPUTES);
         }
-        // What comes before may still be reading.
+        // Earlier commands may still be reading.
         commands.memory_barrier(COMPUTES_AND_ARGUMENTS, COMPUTES);
         let compared = &self.compared[usize::from(target.is_unit)];
         commands.dispatch(&self.layout, compared, &target.set, block_groups(target));

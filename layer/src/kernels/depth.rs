@@ -108,7 +108,7 @@ impl DepthCopy {
         layout: vk::ImageLayout,
     ) {
         use vk::ImageLayout as Layout;
-        // What the application waits for is its own pass: this comes between that and all of its waiting.
+        // The application waits for its own pass: these commands run between that pass and all of its waits.
         commands.barrier(depth, (layout, Scope::ALL), (Layout::TRANSFER_SRC_OPTIMAL, READS));
         commands.memory_barrier(READS_OF_RESULTS, WRITES);
         for region in self.regions(depth, area) {

@@ -185,7 +185,7 @@ impl Fill {
         use vk::ImageLayout as Layout;
         let copy = target.part();
         let pipeline = &self.pipelines[target.format as usize];
-        // What the application waits for is its own pass: the fill comes between that and all of its waiting.
+        // The application waits for its own pass: the fill runs between that pass and all of its waits.
         commands.barrier(picture, (layout, Scope::ALL), (Layout::TRANSFER_SRC_OPTIMAL, READS));
         commands.barrier(copy, (Layout::UNDEFINED, READS), (Layout::TRANSFER_DST_OPTIMAL, WRITES));
         commands.copy_image(picture, copy, target.extent);

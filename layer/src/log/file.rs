@@ -50,7 +50,7 @@ impl BoundedFile {
                 "log full: no further lines from this process\n"
             }
         };
-        // A full disk or a revoked file: nobody can be told.
+        // A full disk or a revoked file: the error cannot be reported anywhere.
         let _ = self.file.write_all(line.as_bytes());
     }
 }

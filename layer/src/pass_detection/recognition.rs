@@ -265,7 +265,7 @@ impl Recognition {
         description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
         judged: Result<Match, Unmatched>,
     ) -> Result<Match, Unmatched> {
-        // What could never be a picture of the scene is none because of a rule either.
+        // A pass that can never draw the scene does not match because of a rule either.
         let never = matches!(
             judged,
             Err(Unmatched::NoColour

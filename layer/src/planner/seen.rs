@@ -46,10 +46,10 @@ impl Planning {
         if let Some(tiles) = shown {
             write_rows(tiles, map);
         }
-        // The plan has each eye look at something near, because nobody knows how far it is: the ray is between both.
+        // The plan assumes that each eye looks at a near point, because its distance is unknown: the ray is between both eyes' rays.
         let [left, right] = plan.centres;
         let gaze = match view {
-            // Angles are from straight ahead where the gaze is not known, as the rings are.
+            // Where the gaze is unknown, angles are from the centre of the view, as the rings are.
             DebugView::Eccentricity => left + right,
             DebugView::Ahead => in_view(direction(dot_deg), self.views.orientation(eye)),
             _ if plan.gaze == Vec3::ZERO => Vec3::ZERO,

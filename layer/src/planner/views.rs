@@ -183,7 +183,7 @@ impl Eye {
     fn place(&mut self, head: Quat, middle: Vec3, view: &View) {
         self.turn(head.inverse() * view.orientation);
         let position = head.inverse() * (view.position - middle);
-        // What is no number is taken, for the models to refuse.
+        // A NaN is kept: the models refuse it.
         let apart = self.position.distance(position);
         if apart.is_nan() || apart >= TREMOR_M {
             self.position = position;
@@ -193,7 +193,7 @@ impl Eye {
     fn turn(&mut self, orientation: Quat) {
         // Twice the length of the vector part is the angle: exact where arc cosines are not.
         let apart = (self.orientation.inverse() * orientation).xyz().length() * 2.0;
-        // What is no number is taken, for the planner to refuse.
+        // A NaN is kept: the planner refuses it.
         if apart.is_nan() || apart >= TREMOR {
             self.orientation = orientation;
         }

@@ -120,7 +120,7 @@ impl Layout {
                 .iter()
                 .map(|(map, place, is_flipped)| span::met(map, place, image, 1, row, *is_flipped))
                 .collect();
-            // None for a row that a part covers partly, as keys do not tell such rows apart.
+            // None for a row that a part covers partly, as keys do not distinguish such rows.
             let covers = places.iter().map(|place| place.covers_row(image, row)).collect::<Option<_>>();
             let key = covers.map(|covers| RowKey { met: met.clone(), covers });
             if key.is_some() && key == last {

@@ -143,7 +143,7 @@ impl Decisions {
         }
         let len = self.len.load(Ordering::Relaxed);
         if let Some(free) = self.list.get(len) {
-            // Nobody else appends: it is free.
+            // No other thread appends: the entry is free.
             _ = free.set(decision.clone());
             self.len.store(len + 1, Ordering::Release);
         }

@@ -44,11 +44,11 @@ mod tests {
         };
         const FRAME_NS: i64 = 11_111_111;
         assert_eq!(settled_at(0, 170, FRAME_NS, 1), None);
-        // A pass that is recognised late begins it anew.
+        // A pass that is recognised late restarts the wait.
         let begin = 170 * FRAME_NS;
         let end = settled_at(begin, 300, FRAME_NS, 2).unwrap();
         assert!((SETTLED_AFTER_NS..SETTLED_AFTER_NS + FRAME_NS).contains(&(end - begin)), "{end}");
-        // Few frames a second tell less.
+        // Few frames a second are less evidence.
         assert_eq!(settled_at(end, 60, 200_000_000, 3), None);
         assert!(settled_at(end + 60 * 200_000_000, 1, 200_000_000, 3).is_some());
     }

@@ -182,7 +182,7 @@ impl StatusSnapshot {
             is_given: self.gaze_is_given,
             is_valid: self.gaze_is_valid,
             age_ms: self.gaze_age_ms.map(f32::round),
-            // Frames see at most one sample each; the packets say how many there are.
+            // Frames see at most one sample each; the packet rate is the rate of samples.
             rate_hz: if of_packets { Some(self.osc.rate_hz) } else { rate_hz }.map(f32::round),
             valid: valid.map(|share| rounded(share, 100.0)),
             noise_deg: noise_deg.map(|noise| rounded(noise, 100.0)),

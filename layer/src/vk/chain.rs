@@ -113,7 +113,7 @@ pub struct NextDevice {
 /// As for [`advance_instance`].
 pub unsafe fn instance_link(info: *const vk::InstanceCreateInfo<'_>) -> Option<*mut *mut InstanceLink> {
     // SAFETY: `info` is null or valid with its chain, as `# Safety` demands; a loader structure has the layout of
-    // LayerInstanceCreateInfo, its `function` says which member of the union is set.
+    // LayerInstanceCreateInfo, its `function` determines which member of the union is set.
     unsafe {
         structures(info.as_ref()?.p_next, vk::StructureType::LOADER_INSTANCE_CREATE_INFO)
             .map(|found| found.cast::<LayerInstanceCreateInfo>())

@@ -144,7 +144,7 @@ impl Frame {
     /// Takes whether passes that are recognised get the plan's rates.
     pub fn set_on(&self, is_on: bool) {
         if self.is_on.swap(is_on, Ordering::Relaxed) != is_on {
-            // The gate changes it for a few frames now and then; what the user or the gate decides is logged there.
+            // The gate changes it for a few frames now and then; decisions of the user and the gate are logged where they are made.
             tracing::debug!("shading rates {}", if is_on { "on" } else { "off" });
         }
     }

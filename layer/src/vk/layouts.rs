@@ -126,7 +126,7 @@ mod tests {
         submit(Some(family), two);
         submit(None, three);
         assert_eq!(beside(), [Some(true); 3]);
-        // For ever: a frame in which all is on one queue says nothing of the next.
+        // Permanent: a frame that uses one queue alone does not show that the next will.
         submit(Some(session), one);
         assert_eq!(beside(), [Some(true); 3]);
         layouts.follow(one);

@@ -171,7 +171,7 @@ unsafe fn note_start(armed: &Armed, start: &FrameStart) {
     let (settings, plan, awaited) =
         unsafe { (start.settings.as_ref(), start.plan.as_ref(), start.awaited.as_ref()) };
     if let Some(settings) = settings {
-        // SAFETY: the record says how many passes it has.
+        // SAFETY: the record states its number of passes.
         let passes = unsafe { slice(settings.passes, settings.passes_len as usize) };
         armed.notify_settings(settings, passes);
     }
@@ -219,7 +219,7 @@ unsafe extern "C" fn end_frame(
                 unsafe { (device::of(device), submission.as_ref(), report.as_mut()) };
             let armed = known.as_ref().and_then(|known| known.armed.as_ref());
             let (Some(armed), Some(submission), Some(report)) = (armed, submission, report) else { return 0 };
-            // SAFETY: the record says how many elements each of its arrays has (link.rs).
+            // SAFETY: the record states the number of elements of each of its arrays (link.rs).
             let (views, flat, depth) = unsafe {
                 (
                     slice(submission.views, submission.view_count as usize),
@@ -233,7 +233,7 @@ unsafe extern "C" fn end_frame(
             } else {
                 armed.frame.end_unlearned(&armed.objects);
             }
-            // SAFETY: the words of the record begin where it says (link.rs).
+            // SAFETY: the words of the record begin at the address in it (link.rs).
             unsafe { write_report(armed, report) };
             1
         },
@@ -291,7 +291,7 @@ unsafe fn write_stale(log: &Log, eye: usize, record: &mut StaleRecord) {
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn stale(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32 {
-    // SAFETY: the other half passes a live device, and a record to write to, whose words begin where it says (link.rs).
+    // SAFETY: the other half passes a live device, and a record to write to, whose words begin at the address in it (link.rs).
     guard(
         "vkGetParafoveaLink.stale",
         || 0,
@@ -309,7 +309,7 @@ unsafe extern "C" fn stale(device: vk::Device, eye: u32, record: *mut StaleRecor
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
 unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyRecord) -> u32 {
-    // SAFETY: the other half passes a live device and a valid record, whose buffer and queue are as it says (link.rs).
+    // SAFETY: the other half passes a live device and a valid record, which describes its buffer and queue correctly (link.rs).
     guard(
         "vkGetParafoveaLink.copy_rates",
         || 0,

@@ -22,7 +22,7 @@ pub unsafe extern "system" fn negotiate(interface: *mut NegotiateLayerInterface)
         || FAILED,
         |_| {
             crate::log::start();
-            // SAFETY: the pointer is null or valid, as `# Safety` demands, and nobody else uses it during the call.
+            // SAFETY: the pointer is null or valid, as `# Safety` demands, and no other code uses it during the call.
             let Some(interface) = (unsafe { interface.as_mut() }) else { return FAILED };
             if interface.s_type != NEGOTIATE_INTERFACE_STRUCT
                 || interface.loader_layer_interface_version < INTERFACE_VERSION

@@ -102,7 +102,7 @@ impl Perception {
         let mut kept = Kept::new();
         kept.push(target.clone());
         let record_commands = |commands: vk::CommandBuffer| {
-            // SAFETY: the command buffer is a new one for that queue, which draws; what is named is kept.
+            // SAFETY: the command buffer is a new one for that queue, which supports graphics; all objects that it uses are kept.
             let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
             let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
             tools.analyze.record(&commands, &target, layout, same_view);

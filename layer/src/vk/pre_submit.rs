@@ -95,7 +95,7 @@ impl PreSubmitRing {
         // broken, the other thread finds none and makes one.
         let mut slots = std::mem::take(&mut *self.lock());
         slots.iter_mut().for_each(|slot| slot.poll(&own.functions.device));
-        // Before what they wrote is overwritten.
+        // Read before the slots' timestamps are overwritten.
         own.timing.read();
         let mut free = slots.iter().position(|slot| !slot.is_pending());
         if free.is_none() && (is_urgent || slots.len() < MOST_SLOTS) {

@@ -274,7 +274,7 @@ impl Recorded {
                 self.candidates.push(Arc::clone(candidate));
             }
         }
-        // Pipelines that secondaries bind stay those of the application.
+        // Pipelines that secondary command buffers bind stay the application's own.
         let pipelines =
             secondary.within.pipelines.map(|facts| PipelineFacts { returns: Returns::default(), ..facts });
         self.add(Within { pipelines, ..secondary.within });

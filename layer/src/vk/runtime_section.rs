@@ -12,7 +12,7 @@ thread_local! {
 /// Enters (`true`) or leaves a section of this thread. Sections nest; leaving without having entered is
 /// ignored.
 pub fn set(enter: bool) {
-    // A thread that is being torn down has no depth any more; its submits are nobody's to classify.
+    // A thread that is being torn down has no depth any more; its submits need no classification.
     let _ = DEPTH.try_with(|depth| {
         depth.set(if enter { depth.get().saturating_add(1) } else { depth.get().saturating_sub(1) });
     });

@@ -94,7 +94,7 @@ unsafe fn prepare(
     queue: vk::Queue,
     buffers: impl Iterator<Item = vk::CommandBuffer>,
 ) {
-    // What the runtime submits, or we do, is none of the application's frame.
+    // Submits of the runtime or of the layer do not belong to the application's frame.
     let is_followed = is_active && !runtime_section::in_runtime_section();
     if !is_followed && armed.backend.is_none() {
         return;
@@ -204,7 +204,7 @@ fn recognise_passes(
             }
             let how = matched.as_ref().map(|found| found.how);
             candidate.map.submitted(how, pass.depth.is_some(), log.frame());
-            // A pass without a mask obeys no map, and so says nothing of what that shall hold.
+            // A pass without a mask obeys no map, and so does not affect the content of the map.
             if pass.unmasked.is_some_and(|reason| reason != Unmasked::Undrawn) {
                 continue;
             }

@@ -114,7 +114,7 @@ fn link(device: vk::Device) -> Option<&'static LinkTable> {
 
 fn record(device: vk::Device) -> Option<DeviceRecord> {
     let mut record = MaybeUninit::uninit();
-    // SAFETY: the device is live; a result of 1 says that the record is written.
+    // SAFETY: the device is live; a result of 1 means that the record is written.
     unsafe { ((link(device)?.device)(device, record.as_mut_ptr()) == 1).then(|| record.assume_init()) }
 }
 

@@ -148,7 +148,7 @@ impl Timing {
         };
         let mut unread = lock(&self.unread);
         let mut frames = lock(&self.frames);
-        // What it wrote before, and nobody read, it overwrites.
+        // The timer overwrites its earlier timestamps that were not read.
         let is_same = |known: &Unread| Arc::ptr_eq(&known.queries, queries);
         while let Some(index) = unread.iter().position(is_same) {
             let Unread { frame, work, .. } = unread.swap_remove(index);
@@ -193,7 +193,7 @@ impl Timing {
             }
             false
         });
-        // Back with its memory, and behind it what came meanwhile.
+        // Put back with its memory; entries that were added meanwhile follow it.
         let mut kept = lock(&self.unread);
         std::mem::swap(&mut *kept, &mut unread);
         kept.append(&mut unread);

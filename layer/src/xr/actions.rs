@@ -385,7 +385,7 @@ pub unsafe extern "system" fn poll_event(
                 }
                 return answer.record(result);
             }
-            // SAFETY: as above; what an application must set before the call.
+            // SAFETY: as above; an application must set these values before the call.
             unsafe {
                 (*event).ty = xr::EventDataBuffer::TYPE;
                 (*event).next = ptr::null();
@@ -404,7 +404,7 @@ unsafe fn is_ours(event: &xr::EventDataBuffer) -> bool {
     if event.ty != xr::EventDataInteractionProfileChanged::TYPE {
         return false;
     }
-    // SAFETY: the type says which structure the buffer begins with; the buffer is larger and as aligned.
+    // SAFETY: the type identifies the structure at the start of the buffer; the buffer is larger and as aligned.
     let changed = unsafe { &*ptr::from_ref(event).cast::<xr::EventDataInteractionProfileChanged>() };
     let known = session::find(changed.session);
     known

@@ -121,7 +121,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
         });
     }
     let mut placed = None;
-    // SAFETY: valid usage: `info` and what it points to are valid.
+    // SAFETY: valid usage: `info` and all structures that it points to are valid.
     attempt("layers that the gaze moves", || placed = unsafe { PlacedLayers::of(info) });
     let info = placed.as_ref().map_or(info, PlacedLayers::info);
     // SAFETY: the next layer's function with the application's own arguments, or our copy of one.
@@ -135,12 +135,12 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     let read = OnceCell::new();
     let frame = || {
         let (session, active) = active?;
-        // SAFETY: valid usage: `info` and what it points to are valid.
+        // SAFETY: valid usage: `info` and all structures that it points to are valid.
         let submission = read.get_or_init(|| unsafe { info.as_ref().map(|info| Submission::read(info)) });
         let (config, heads) = (active.plan.config(), RefCell::default());
         Some(FrameEnd { session, active, config, submission: submission.as_ref()?, heads })
     };
-    // After a panic the runtime's images are still written, from what the application drew as it is.
+    // After a panic the runtime's images are still written, with the application's images unchanged.
     let pass_on = || {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
         if let Some((_, active)) = active {
@@ -255,7 +255,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
             // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
             unsafe { pictures::notify(frame, &works) };
             if is_drawn_over {
-                // SAFETY: as above. What is drawn for people comes last: nothing of ours looks at it.
+                // SAFETY: as above. The debug view is drawn last: no pass of the layer reads it.
                 unsafe { debug_view::draw(frame, &works) };
             }
         }

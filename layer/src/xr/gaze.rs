@@ -63,7 +63,7 @@ impl SessionGaze {
     pub fn open(&self, config: &Config, may_have_eyes: bool, now: Instant) {
         self.open_port(config, may_have_eyes, now);
         let (file, record) = (wanted_file(config), config.gaze.record);
-        // Whoever sees the change first opens the file, without the lock.
+        // The first thread that sees the change opens the file, without the lock.
         let (file_is_new, record_is_new, before) = {
             let mut state = self.state();
             let is_new = (state.file != file, state.record != record);
@@ -111,7 +111,7 @@ impl SessionGaze {
             Ok(()) => tracing::warn!(
                 "receiving the gaze from OSC packets at {address}: other computers can send them, too"
             ),
-            // Nobody asked for packets by name.
+            // The user has not asked for packets by name.
             Err(error) if is_news && config.gaze.source == GazeSource::Auto => {
                 tracing::info!("no gaze from OSC packets: gaze.osc_listen = \"{address}\": {error}")
             }
@@ -303,7 +303,7 @@ fn wanted_file(config: &Config) -> FilePath {
 /// The gaze of a file; `None` if it cannot be read, with the reason in the log.
 fn read(path: &Path) -> Option<GazeScript> {
     let read = || -> Result<GazeScript, String> {
-        // O_NONBLOCK: opening a FIFO would else wait for somebody to write to it.
+        // O_NONBLOCK: otherwise opening a FIFO would wait for a writer.
         let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path);
         let file = file.map_err(|error| error.to_string())?;
         if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {

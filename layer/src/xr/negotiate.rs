@@ -36,7 +36,7 @@ pub unsafe extern "system" fn negotiate(
         || FAILED,
         |_| {
             crate::log::start();
-            // SAFETY: each pointer is null or valid, as `# Safety` demands, and nobody else uses it during the call.
+            // SAFETY: each pointer is null or valid, as `# Safety` demands, and no other code uses it during the call.
             match unsafe { (loader_info.as_ref(), request.as_mut()) } {
                 (Some(loader), Some(request)) if is_understood(loader, request) => {
                     request.layer_interface_version = INTERFACE_VERSION;

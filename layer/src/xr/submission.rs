@@ -139,7 +139,7 @@ impl Submission {
             return;
         }
         let first = self.views.len();
-        // SAFETY: the layer has as many valid views as it says, as `# Safety` demands.
+        // SAFETY: the layer has `view_count` valid views, as `# Safety` demands.
         unsafe {
             let views = slice::from_raw_parts(layer.views, layer.view_count as usize);
             self.views.extend(views.iter().map(|view| ProjectionView::read(view)));
@@ -255,7 +255,7 @@ pub fn fov(fov: &xr::Fovf) -> Fov {
 ///
 /// The layer is valid, and of the type in its header.
 pub unsafe fn cast<T: Structure>(layer: &xr::CompositionLayerBaseHeader) -> Option<&T> {
-    // SAFETY: the layer is valid and of its type, as `# Safety` demands; `Structure` says that a structure of this number is a T.
+    // SAFETY: the layer is valid and of its type, as `# Safety` demands; `Structure` guarantees that a structure of this number is a T.
     (layer.ty.into_raw() == T::number()).then(|| unsafe { &*std::ptr::from_ref(layer).cast::<T>() })
 }
 

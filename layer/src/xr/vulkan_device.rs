@@ -79,7 +79,7 @@ impl VulkanDevice {
             *table
         };
         let mut record = MaybeUninit::<DeviceRecord>::uninit();
-        // SAFETY: a function of the table, with a live device and a record to write to; 1 says that the record was written.
+        // SAFETY: a function of the table, with a live device and a record to write to; 1 means that the record was written.
         let record =
             unsafe { ((table.device)(device, record.as_mut_ptr()) == 1).then(|| record.assume_init()) };
         let Some(record) = record else {
@@ -104,7 +104,7 @@ impl VulkanDevice {
 
     /// Notifies the Vulkan half whether a session is bound to the device.
     pub fn set_active(&self, active: bool) {
-        // SAFETY: the session that holds this says that the device is live: it outlives its session.
+        // SAFETY: the session that holds this guarantees that the device is live: it outlives its session.
         unsafe { (self.table.set_active)(self.record.device, u32::from(active)) }
     }
 
@@ -161,7 +161,7 @@ impl VulkanDevice {
             times: [FrameTimeRecord::default(); MOST_FRAME_TIMES],
             stale: report.words.each_mut().map(stale_record),
         };
-        // SAFETY: the device is live, as above; the submission is valid, as `# Safety` demands, and there are as many words as the record says.
+        // SAFETY: the device is live, as above; the submission is valid, as `# Safety` demands, and there are as many words as the record states.
         let is_written =
             unsafe { (self.table.end_frame)(self.record.device, submission, &raw mut record) == 1 };
         report.frame = record.frame;
@@ -189,7 +189,7 @@ impl VulkanDevice {
             }
             words.resize(record.count as usize, 0);
             record = stale_record(words);
-            // SAFETY: the device is live, as above; there are as many words as the record says.
+            // SAFETY: the device is live, as above; there are as many words as the record states.
             if unsafe { (self.table.stale)(self.record.device, eye as u32, &raw mut record) } != 1 {
                 return;
             }

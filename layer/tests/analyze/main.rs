@@ -175,7 +175,7 @@ fn assert_matches(case: &str, gpu: &Analyzed, cpu: &Analyzed, relative: f32) {
             assert_eq!((gpu.width(), gpu.height()), (cpu.width(), cpu.height()));
             let mut others = 0;
             for (index, (gpu, cpu)) in gpu.texels().iter().zip(cpu.texels()).enumerate() {
-                // What lies between two half floats may become either: they are 1 / 1024 apart at most.
+                // A value between two half floats may be rounded to either: they are 1 / 1024 apart at most.
                 let close = (gpu - cpu).abs() <= (1.0 / 1024.0 + relative) * cpu;
                 assert!(close, "{case}, level {level}, texel {index}: {gpu} {cpu}");
                 others += u32::from(gpu != cpu);
@@ -192,7 +192,7 @@ fn assert_matches(case: &str, gpu: &Analyzed, cpu: &Analyzed, relative: f32) {
             let light = (gpu.adaptation_cd_m2 - cpu.adaptation_cd_m2).abs();
             assert!(light <= SAME * cpu.adaptation_cd_m2 + 1e-6, "{case}, tile {tile}: {gpu:?} {cpu:?}");
             for (band, (gpu, cpu)) in gpu.bands.iter().zip(cpu.bands).enumerate() {
-                // What is left when two equal numbers are subtracted is no contrast.
+                // The rounding error of a difference of equal numbers is not contrast.
                 let close = (gpu - cpu).abs() <= SAME * cpu + SAME * 1e-2;
                 assert!(close, "{case}, rates {pass}, tile {tile}, band {band}: {gpu} {cpu}");
             }
@@ -299,7 +299,7 @@ fn a_picture_that_stays_is_analysed_until_nothing_changes() {
     let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, [columns, rows]).unwrap());
     let levels = Arc::new(Levels::new(&vulkan.gpu, shape.extent).unwrap());
     let target = analyze.target((image, FLOATS, 0), &params, (&tiles, &levels)).unwrap();
-    // One tile at another rate; then another one that is not shaded, whatever its rate.
+    // One tile at a different rate; then another one that is not shaded, regardless of its rate.
     let with = |rates: &Plane<u8>, tile: u32, rate: u8| {
         Plane::from_fn(columns, rows, |x, y| if y * columns + x == tile { rate } else { rates.at(x, y) })
     };
@@ -406,7 +406,7 @@ fn decoded((vulkan, analyze): (&Vulkan, &Analyze), format: vk::Format) -> Vec<f3
     let bytes: Vec<u8> = (0..16).flat_map(|_| (0..256 * 16).flat_map(|x| [(x / 16) as u8; 4])).collect();
     let rates = Plane::filled(256, 1, 0);
     let gpu = Analyzed::on_gpu((vulkan, analyze), &shape, format, &[(&bytes, &rates)]);
-    // What is black is kept as the darkest that there is.
+    // Black is stored as the darkest luminance.
     let light = |tile: &TileContrast| Some(tile.adaptation_cd_m2).filter(|light| *light > DARKEST_CD_M2);
     let decoded: Vec<f32> =
         gpu.maps[0].iter().map(|tile| light(tile).unwrap_or_default() / WHITE_CD_M2).collect();

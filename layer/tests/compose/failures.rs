@@ -107,7 +107,7 @@ fn missing_functions_are_named() {
     let vulkan = Vulkan::new();
     let mut record = vulkan.record;
     record.next_get_device_proc_addr = without_copies;
-    // SAFETY: the record is of a live device with this queue, which nobody else uses now.
+    // SAFETY: the record is of a live device with this queue, which no other code uses now.
     let result = unsafe { Gpu::new(&record, 0, 0) };
     assert!(
         matches!(result, Err(GpuError::Missing(name)) if name == c"vkCmdCopyImage"),

@@ -34,14 +34,14 @@ fn an_image_is_free_once_the_gpu_is_done_with_its_last_submit() {
     let swapchain = Swapchain::with_images(&vulkan, &shape, 3);
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     swapchain.render(&vulkan, 0, &[vec![7; 16 * 16 * 4]]);
-    // SAFETY: nobody else uses the device's queues.
+    // SAFETY: no other code uses the device's queues.
     unsafe { vulkan.device.device_wait_idle() }.unwrap();
     let free = || [0, 1, 2].map(|image| swapchain.app.is_free(image));
     assert_eq!(free(), [true; 3], "the device is idle");
     let event = block(&vulkan);
     compose.submit(&[swapchain.job(0, &[])]).unwrap();
     assert_eq!(free(), [false, true, true]);
-    // SAFETY: the event is live, and the queue nobody else's.
+    // SAFETY: the event is live, and no other code uses the queue.
     unsafe {
         vulkan.device.set_event(event).unwrap();
         vulkan.device.device_wait_idle().unwrap();
@@ -57,7 +57,7 @@ fn an_image_is_not_free_before_it_is_ready() {
     let event = block(&vulkan);
     let swapchain = Swapchain::with_images(&vulkan, &shape, 2);
     assert!(!swapchain.app.is_free(0) && !swapchain.app.is_free(1));
-    // SAFETY: the event is live, and the queue nobody else's.
+    // SAFETY: the event is live, and no other code uses the queue.
     unsafe {
         vulkan.device.set_event(event).unwrap();
         vulkan.device.device_wait_idle().unwrap();
@@ -74,7 +74,7 @@ fn nobody_waits_for_a_device_that_is_given_up() {
     let swapchain = Swapchain::with_images(&vulkan, &shape, 2);
     vulkan.gpu.abandon();
     assert!(swapchain.app.is_free(0));
-    // SAFETY: the event is live, and the queue nobody else's.
+    // SAFETY: the event is live, and no other code uses the queue.
     unsafe {
         vulkan.device.set_event(event).unwrap();
         vulkan.device.device_wait_idle().unwrap();

@@ -259,7 +259,7 @@ fn moved_pictures_match_the_reference() {
             // Blending rounds once more.
             let is_near = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).all(|(a, b)| a.abs_diff(*b) <= 2);
             let others = pairs().filter(|pair| !is_near(pair)).count();
-            // What lies on the edge of a tile, or at the bound of what is the same, to the last bit is taken from either side.
+            // A pixel exactly on the edge of a tile, or at the bound of the depth comparison, is taken from either side.
             assert!(others <= 40, "{others} of {format:?}, {coarse}");
             let taken = frames[0].pixels.chunks(4).zip(result.chunks(4)).filter(|(a, b)| a != b).count();
             assert!(taken > 4000, "{taken} of {format:?}, {coarse}");
@@ -300,7 +300,7 @@ fn changes_of_what_has_moved_match_the_reference() {
     let swapchain = Swapchain::with_images(&vulkan, &shape(format, EXTENT[0], EXTENT[1], 1), IMAGES);
     for coarse in [false, true] {
         let mut frames = frames(coarse);
-        // All of the newer two is compared with the oldest but one, and what that has not with newer ones.
+        // All tiles of the newer two are compared with the oldest but one, and tiles that it lacks with newer ones.
         for frame in &mut frames[..2] {
             frame.stale.set(EXTENT, [16; 2], &[0; 60]);
         }

@@ -203,7 +203,7 @@ fn images_of_earlier_pictures_are_in_use_too() {
     let region = [reuse_region(&frames, &lists, true, 4.0)];
     compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(0, &[]) }]).unwrap();
     assert_eq!([0, 1, 2, 3, 4].map(|image| swapchain.app.is_free(image)), [false, false, false, false, true]);
-    // SAFETY: the event is live, and the queue nobody else's.
+    // SAFETY: the event is live, and no other code uses the queue.
     unsafe {
         vulkan.device.set_event(event).unwrap();
         vulkan.device.device_wait_idle().unwrap();

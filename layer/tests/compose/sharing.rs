@@ -39,7 +39,7 @@ fn calls() -> [u32; 3] {
 
 /// The compositor of a session that draws to one format.
 fn session(record: &DeviceRecord, shared: &Arc<Shared>) -> Compose {
-    // SAFETY: the record is of a live device with this queue, which nobody else uses now.
+    // SAFETY: the record is of a live device with this queue, which no other code uses now.
     let gpu = unsafe { Gpu::sharing(record, (0, 0), Arc::clone(shared)) }.unwrap();
     let mut compose = Compose::new(gpu).unwrap();
     while !compose.attenuates(vk::Format::R8G8B8A8_SRGB) {

@@ -86,7 +86,7 @@ impl Vulkan {
             let Some(&physical_device) = devices.first() else { skip(&Lack::setup("a Vulkan device")) };
             let priorities = [1.0];
             let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&priorities)];
-            // What later versions are asked for may also count what is shaded.
+            // Tests with later versions may also count shaded fragments.
             let counts = api_version > vk::API_VERSION_1_0
                 && instance.get_physical_device_features(physical_device).fragment_stores_and_atomics != 0;
             let features = vk::PhysicalDeviceFeatures::default().fragment_stores_and_atomics(counts);

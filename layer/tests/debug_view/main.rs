@@ -178,7 +178,7 @@ fn a_submit_that_fails_leaves_what_a_copy_writes() {
     let beyond = params(DebugView::Rates, [1, 0], [64, 64]);
     let failed = DebugViewJob { map: None, ..job(&swapchain, 0, beyond, &map) };
     assert!(pass.submit(&[failed]).is_err());
-    // Validation has something to say of a buffer that is destroyed while a copy writes to it.
+    // Validation reports a buffer that is destroyed while a copy writes to it.
     drop(pass);
     vulkan.idle();
     vulkan.assert_valid();

@@ -193,7 +193,7 @@ fn masks_match_the_reference() {
             let views = mask_views(parts, image);
             let masked =
                 pass.target(map.clone(), &target, (image.texel, image.tiles, image.layers), &views).unwrap();
-            // Twice: what was listed before is gone.
+            // Twice: the earlier entries of the list must be gone.
             for _ in 0..2 {
                 bed.vulkan.run(|commands| {
                     // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.

@@ -56,7 +56,7 @@ fn each_command_of_the_guide_works() {
             continue;
         }
         assert!(!said.is_empty(), "{command}: {complained}");
-        // A machine without a headset has problems, which is what the doctor is for.
+        // A machine without a headset has problems, and the doctor is to report them.
         let may_fail = command.starts_with("parafovea doctor");
         assert!(output.status.success() || may_fail, "{command}: {said}{complained}");
         assert_eq!(complained, "", "{command}");

@@ -57,7 +57,7 @@ struct WrongValue<'a> {
 }
 
 fn read<'a>(root: &'a DeTable<'a>) -> Result<Config, Vec<Finding<'a>>> {
-    // First the preset, wherever it stands: what the file sets itself takes precedence. A wrong one is found below.
+    // First the preset, wherever it stands: the file's own options take precedence. An invalid preset is found below.
     let preset = root.get("preset").and_then(|value| Preset::read(value.get_ref(), ()));
     let mut config = preset.map_or_else(Config::default, Config::of_preset);
     let mut findings = Vec::new();

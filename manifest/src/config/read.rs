@@ -12,7 +12,7 @@ pub const MAX_BYTES: u64 = 1 << 20;
 
 /// The text of the file at `path`.
 pub(super) fn read(path: &Path) -> Result<String, ConfigError> {
-    // O_NONBLOCK: opening a FIFO would else wait for somebody to write to it.
+    // O_NONBLOCK: otherwise, opening a FIFO would wait until another process opens it for writing.
     let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path)?;
     let metadata = file.metadata()?;
     if !metadata.is_file() {

@@ -6,7 +6,7 @@ use crate::json::Half;
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let probed = &surroundings.probed;
-    // Where Vulkan fails without the layer too, or our half is not installed, another finding tells.
+    // If Vulkan fails without the layer too, or our half is not installed, another finding reports it.
     let (Ok(_), true) = (&probed.vulkan, layers.ours(Half::Vulkan).next().is_some()) else {
         return Vec::new();
     };

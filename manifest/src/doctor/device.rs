@@ -33,7 +33,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
             findings.extend(of_devices(&vulkan.devices));
             let changes = surroundings.environment.quirks();
             findings.extend(vulkan.devices.iter().flat_map(|device| quirks(device, &changes)));
-            // Of every device, so the first one says it.
+            // The complaint is the same for every device: the first one's is enough.
             let complaint = vulkan.devices.first().and_then(|device| quirks_of(device, &changes).complaint());
             findings.extend(complaint.map(|complaint| {
                 Finding::warning("unknown-quirk", complaint, "The rest of the variable applies.")
@@ -43,7 +43,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
     }
     match &probed.openxr {
         Err(reason) => findings.push(unknown("capabilities of the OpenXR runtime", reason)),
-        // Without one set, that is what is told.
+        // If no runtime is set, another finding reports that.
         Ok(runtime) if !runtime.name.is_empty() || runtime::is_set(surroundings) => {
             findings.extend(of_runtime(runtime, &in_force(surroundings).1.unwrap_or_default()));
         }

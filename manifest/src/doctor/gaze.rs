@@ -75,7 +75,7 @@ fn offered(surroundings: &Surroundings, layers: &Layers, config: &Config) -> Opt
         let found = "games get the gaze of the headset's own eye tracker: gaze.offer = true has no effect";
         return Some(Finding::good("gaze-of-runtime", found));
     }
-    // Of the user or of the system. Without one, the manifests' own findings say so.
+    // The manifest of the user or of the system. A missing one has a finding of its own.
     let text = fs::read_to_string(&layers.ours(Half::OpenXr).next()?.path).ok()?;
     if Half::OpenXr.lists_eye_gaze(&text) {
         let found = "games that ask for the gaze get it, and may store or send it (gaze.offer = true)";

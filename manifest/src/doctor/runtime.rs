@@ -41,7 +41,7 @@ fn manifest(surroundings: &Surroundings) -> Option<PathBuf> {
         .flat_map(|folder| {
             [folder.join(format!("active_runtime.{arch}.json")), folder.join("active_runtime.json")]
         })
-        // A link whose target is gone is no file for the loader either, but worth telling: it is somebody's choice.
+        // The loader finds no file behind a broken link either, but the link is worth a finding: it was set on purpose.
         .find(|path| fs::symlink_metadata(path).is_ok())
 }
 

@@ -61,7 +61,7 @@ impl StatusFile {
 
 impl Drop for StatusFile {
     fn drop(&mut self) {
-        // Nobody is to be told; what stays is forgotten by its age.
+        // There is no receiver for errors; remaining files expire by their age.
         for file in [&self.path, &self.next].into_iter().chain(&self.requests) {
             let _ = fs::remove_file(file);
         }

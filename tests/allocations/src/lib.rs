@@ -109,9 +109,9 @@ fn on_the_exempt_thread() -> bool {
 
 /// The value of a variable of the environment.
 fn variable(name: &CStr) -> Option<&'static CStr> {
-    // SAFETY: the name is a C string; nobody changes the environment of a process under test.
+    // SAFETY: the name is a C string; no code changes the environment of a process under test.
     let value: *const c_char = unsafe { libc::getenv(name.as_ptr()) };
-    // SAFETY: what is not null is a C string.
+    // SAFETY: a value that is not null is a C string.
     (!value.is_null()).then(|| unsafe { CStr::from_ptr(value) })
 }
 

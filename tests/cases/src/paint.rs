@@ -77,8 +77,8 @@ impl Painter {
         let (commands, fence) = self.ring[self.next];
         self.next = (self.next + 1) % RING;
         let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the fence says that the command buffer is not in use; targets outlive their work because
-        // a swapchain waits for the queue before it destroys them.
+        // SAFETY: the signalled fence proves that the command buffer is not in use; targets outlive their work
+        // because a swapchain waits for the queue before it destroys them.
         unsafe {
             self.device.wait_for_fences(&[fence], true, u64::MAX)?;
             self.device.reset_fences(&[fence])?;
@@ -110,7 +110,7 @@ impl Painter {
             .framebuffer(target.framebuffer)
             .render_area(target.extent.into())
             .clear_values(&clear);
-        // SAFETY: as this function's contract says.
+        // SAFETY: guaranteed by this function's contract.
         unsafe {
             self.device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
             for cell in figures.iter().flat_map(Figure::cells) {
@@ -129,7 +129,7 @@ impl Painter {
         let offset = vk::Offset2D { x: cell.rect.x as i32, y: cell.rect.y as i32 };
         let extent = vk::Extent2D { width: cell.rect.width, height: cell.rect.height };
         let rect = vk::ClearRect { rect: vk::Rect2D { offset, extent }, base_array_layer: 0, layer_count: 1 };
-        // SAFETY: as this function's contract says; cells lie within the framebuffer.
+        // SAFETY: guaranteed by this function's contract; cells lie within the framebuffer.
         unsafe {
             self.device.cmd_clear_attachments(commands, &[attachment], &[rect]);
         }

@@ -77,7 +77,7 @@ impl Vulkan {
     fn before_openxr(version: VulkanVersion) -> Result<Self, Failure> {
         let (library, entry) = load()?;
         let instance = with_instance_info(version, &[], |info| {
-            // SAFETY: the structure and what it points to outlive the call.
+            // SAFETY: the structure and the data that it points to outlive the call.
             Ok(unsafe { entry.create_instance(info, None) }?)
         })?;
         // SAFETY: the instance is live.

@@ -54,7 +54,7 @@ impl Xr {
             enabled_extension_names: names.as_ptr(),
         };
         let mut instance = xr::Instance::NULL;
-        // SAFETY: the structure and what it points to outlive the call.
+        // SAFETY: the structure and the data that it points to outlive the call.
         succeeded("xrCreateInstance", unsafe { create(&info, &mut instance) })?;
         let functions = Functions::load(get, instance)?;
         let info = xr::SystemGetInfo {

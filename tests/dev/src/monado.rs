@@ -214,7 +214,7 @@ fn run(root: &Path, words: &[String]) -> Result<Seen, String> {
     for line in read(root.join("tmp/output.log")).lines().filter(|line| is_complaint(line)) {
         *complaints.entry(without_numbers(line)).or_default() += 1;
     }
-    // What it warns of is that frames are late, or not.
+    // Its warnings are about late frames only, and are left out.
     for line in read(root.join("tmp/monado.log")).lines().filter(|line| line.contains("ERROR")) {
         *complaints.entry(format!("Monado: {}", without_numbers(line))).or_default() += 1;
     }
@@ -260,13 +260,13 @@ fn compare(root: &Path, words: &[String]) -> Result<(), String> {
     if !more.is_empty() {
         return Err(format!("new messages: {more:#?}"));
     }
-    // Without a session there is no work for the layer: lavapipe lacks what Monado asks of XR_KHR_vulkan_enable's devices.
+    // Without a session there is no work for the layer: lavapipe does not meet Monado's needs for devices of XR_KHR_vulkan_enable.
     let has_session = off.code == Some(0);
     if has_session && !on.log.contains("session active")
         || on.log.contains(" WARN ")
         || on.log.contains(" ERROR ")
     {
-        // What no device here can do ends before its session.
+        // A test that no device here supports ends before its session.
         let is_skipped =
             fs::read_to_string(root.join("tmp/output.log")).is_ok_and(|text| text.contains("skipped: "));
         return if is_skipped { Ok(()) } else { Err(format!("the layer's log\n{}", on.log)) };

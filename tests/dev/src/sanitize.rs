@@ -70,7 +70,7 @@ impl Nightly {
         command.args(more);
         command.args(["--target-dir", &format!("target/sanitize/{name}")]);
         command.env("RUSTFLAGS", format!("-Zsanitizer={name}"));
-        // The stand-ins keep what loaders keep.
+        // The stand-ins keep the allocations that loaders keep.
         command.env("ASAN_OPTIONS", "detect_leaks=0");
         steps.run(&format!("{name} sanitizer"), in_root(&mut command))
     }

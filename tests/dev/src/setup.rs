@@ -84,7 +84,7 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
         }
     };
     apt(&["update"]);
-    // Releases differ in what they package; one unknown name would make apt-get install nothing at all.
+    // Releases differ in their packages; one unknown name would make apt-get install nothing at all.
     let (known, unknown): (Vec<&str>, Vec<&str>) =
         wanted.into_iter().partition(|package| has_candidate(package));
     for package in unknown {

@@ -183,7 +183,7 @@ pub fn bench(arguments: &[String]) -> Result<(), String> {
     setup(Voice::Implied)?;
     let mut steps = Steps::default();
     build(&mut steps)?;
-    // The dev profile, as for everything else: what is measured are the libraries that were just built.
+    // The dev profile, as for everything else: the libraries that were just built are measured.
     let bench =
         ["bench", "--locked", "--quiet", "--profile", "dev", "--package", package, "--bench", name, "--"];
     let mut command = cargo();

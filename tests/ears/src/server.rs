@@ -132,7 +132,7 @@ impl Server {
         let mut socket = UnixStream::connect(self.folder.path().join("cli"))?;
         socket.set_read_timeout(Some(PATIENCE))?;
         writeln!(socket, "{command}")?;
-        // The server closes a connection that ends once it did what was asked.
+        // After the end of the input, the server closes the connection once the command is done.
         socket.shutdown(Shutdown::Write)?;
         let mut answer = String::new();
         socket.read_to_string(&mut answer)?;

@@ -102,7 +102,7 @@ fn a_server_that_stands_still_for_half_a_minute() {
     let failed = SystemTime::now();
     stage.server.set_stalled(true).unwrap();
     expect_fallback(&stage, "stalled", failed);
-    // Longer than the server is waited for: the connection is given up, and another one is made.
+    // Longer than the time-out for the server: the connection is closed, and another one is made.
     std::thread::sleep(Duration::from_secs(30));
     let repaired = SystemTime::now();
     stage.server.set_stalled(false).unwrap();
@@ -116,7 +116,7 @@ fn another_output_becomes_the_default() {
     stage.server.plug(Sink { name: "other", sample_rate_hz: 44_100 }).unwrap();
     let switched = SystemTime::now();
     stage.server.command("set-default-sink other").unwrap();
-    // Some servers leave what is played where it was.
+    // Some servers leave running streams on their previous output.
     stage.server.command("move-sink-input 0 other").unwrap();
     stage.wait_for_log("other.monitor").unwrap();
     expect_return(&stage, "switched", switched);
@@ -139,7 +139,7 @@ fn an_output_that_comes_back_at_another_rate() {
         expect_fallback(&stage, "another rate", failed);
         let repaired = SystemTime::now();
         stage.server.plug(Sink { sample_rate_hz, ..OUT }).unwrap();
-        // The server gives an output that nobody uses yet the rate of the first one who plays to it.
+        // The server gives an output without streams the rate of the first stream that is played to it.
         stage.wait_for_log(&format!("out.monitor, {sample_rate_hz} Hz")).unwrap();
         stage.play_again().unwrap();
         play(&stage);

@@ -30,7 +30,7 @@ fn a_file_is_heard_as_if_it_were_played() {
         let heard = lines(&heard_file);
         heard.last().filter(|line| line.confidence == Some(1.0)).copied()
     };
-    // The file is over after a second, and begins anew.
+    // The file ends after a second, and starts again.
     let line = loop {
         if let Some(line) = is_whole().filter(|_| start.elapsed() > Duration::from_secs(2)) {
             break line;

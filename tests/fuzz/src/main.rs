@@ -15,7 +15,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    // Panics are findings, told below.
+    // Panics are findings, printed below.
     std::panic::set_hook(Box::new(|_| {}));
     let seed = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |now| now.as_secs());
     let mut is_clean = true;

@@ -90,7 +90,7 @@ fn osc(input: &[u8]) {
 
 struct Sought;
 
-// SAFETY: `find` is asked for where it is, never for what is in it.
+// SAFETY: `find` is only used to locate this structure; its contents are never read.
 unsafe impl Structure for Sought {
     fn number() -> i32 {
         7

@@ -145,7 +145,7 @@ impl Next {
         macro_rules! load {
             ($name:literal, $kind:ty) => {{
                 let mut found = None;
-                // SAFETY: the caller vouches for the function and the instance; the name says the type.
+                // SAFETY: the caller vouches for the function and the instance; the name determines the type.
                 unsafe {
                     let result = get(instance, $name.as_ptr(), &mut found);
                     assert_eq!(result, xr::Result::SUCCESS, "{:?}", $name);
@@ -353,7 +353,7 @@ impl State {
     ///
     /// Valid usage of xrEndFrame.
     unsafe fn save(&self, info: &xr::FrameEndInfo, folder: &Path, name: &str) {
-        // SAFETY: the caller vouches for the layers; the type of each is the one that its first member says.
+        // SAFETY: the caller vouches for the layers; each has the type that its first member states.
         let views = unsafe {
             let layers = match info.layer_count {
                 0 => &[][..],

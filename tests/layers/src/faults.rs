@@ -249,7 +249,7 @@ impl Faults {
         let result = vk::Result::from_raw(fault.result);
         if result == vk::Result::ERROR_DEVICE_LOST {
             state.is_lost = true;
-            // A device that is lost works on nothing any more: what it used may be destroyed.
+            // A lost device has no more work: the objects that it used may be destroyed.
             // SAFETY: the device is live; tests submit on one thread.
             let _ = unsafe { self.next.functions.device_wait_idle() };
         }

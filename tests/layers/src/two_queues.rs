@@ -214,7 +214,7 @@ unsafe fn list<T>(
 ) where
     T: Families,
 {
-    // SAFETY: as the caller says.
+    // SAFETY: the caller vouches for `count` and `properties`.
     unsafe {
         let room = *count;
         next(&mut *count, properties);

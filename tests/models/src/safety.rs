@@ -212,7 +212,7 @@ fn follow_path(
     let mut planner = Planner::new(PlanSettings {
         rates: match case.rates {
             Rates::Rings => RateSettings::Fixed(FixedFoveation::L1_C1),
-            // Within rings, so that what is central is at full rate in both.
+            // Within rings, so that the central region is at full rate in both.
             Rates::Contrast => RateSettings::AudioVisual(AudioVisual {
                 cap: Some(FixedFoveation::L1_C3),
                 ..AudioVisual::default()

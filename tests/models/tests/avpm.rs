@@ -148,7 +148,7 @@ fn the_visual_loss_that_fits_each_condition_best_leaves_half_unexplained() {
 #[test]
 fn no_refit_of_table_1_explains_it() {
     let table = table();
-    // Offsets that are free are what remains when each condition is centred on its own means.
+    // Free offsets amount to centring each condition on its own means.
     let mut rows = Vec::new();
     let mut scores = Vec::new();
     let mut rest = &table[..];

@@ -27,7 +27,7 @@ fn the_curves_are_those_of_the_paper() {
         for (name, expected) in row.iter().filter(|(name, _)| *name != "E") {
             let z: f32 = name[2..].parse().unwrap();
             let gain = f64::from(if name.starts_with("cb") { cb_gain(e, z) } else { cr_gain(e, z) });
-            // 1e-4 of the gain: at E = .99 the rounding of E itself to f32 is 5e-6 of what is left of 1 - E.
+            // 1e-4 of the gain: at E = .99 the rounding of E itself to f32 is 5e-6 of 1 - E.
             assert!(
                 (gain - expected).abs() <= 1e-4 * expected + 1e-9,
                 "{name} at {e}: {gain}, not {expected}"

@@ -12,7 +12,7 @@ fn case(name: &str) -> Case {
 /// Less is shaded, and hardly more is lost where the eyes are once they have landed.
 #[test]
 fn coarsening_in_saccades_saves_and_costs_little_after_landing() {
-    // By contrast what is left behind gets as coarse as 4x4 within a saccade, and so a landing that is farther than predicted loses more.
+    // With rates by contrast, the region left behind gets as coarse as 4x4 within a saccade, so a landing farther than predicted loses more.
     for (name, most_ratio, most_share, most_lost) in [
         ("moving, 120 Hz", 0.98, 0.245, 1.15),
         ("moving, 60 Hz", 0.995, 0.252, 1.15),

@@ -62,7 +62,7 @@ impl Headset {
             queue_family_index: device.family,
             queue_index: 0,
         };
-        // SAFETY: instance and device have what the runtime wants, and outlive the session.
+        // SAFETY: instance and device meet the requirements of the runtime, and outlive the session.
         let (session, waiter, stream) =
             unsafe { self.instance.create_session::<xr::Vulkan>(self.system, &info)? };
         let space = session.create_reference_space(xr::ReferenceSpaceType::LOCAL, xr::Posef::IDENTITY)?;

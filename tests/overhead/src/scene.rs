@@ -107,7 +107,7 @@ impl<'a> Scene<'a> {
 
     /// Records everything again: offscreen passes, of which the last two draw to these images of the eyes if there are
     /// eyes. The last recording's submit must have completed.
-    // By its name Valgrind is told what to count.
+    // Valgrind finds the function to count by its name.
     #[inline(never)]
     pub fn record(&self, amount: Amount, eyes: Option<[usize; 2]>) -> Result<vk::CommandBuffer> {
         let (vk, buffer) = (&self.device.functions, self.commands);

@@ -138,7 +138,7 @@ mod tests {
         Picture::from_fn(96, 64, |x, y| {
             let grey = 60.0 + x as f32 + y as f32 * 0.5;
             let colour: [f32; 3] = std::array::from_fn(|_| saturation * (random.f32() - 0.5) * 80.0);
-            // What is added has no luma of BT.709.
+            // The added colour has no luma of BT.709.
             let luma = 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
             let [r, g, b] = colour.map(|channel| (grey + channel - luma).round() as u8);
             [r, g, b, 255]

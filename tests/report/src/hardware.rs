@@ -71,7 +71,7 @@ fn all() -> Vec<HardwarePoint> {
         let name = format!("preset {preset}");
         layer(Sweep::Rates, &name, Technique::layer(&name, &preset_config(preset)), least);
     }
-    // The preset without what it switches on for a GPU, and with what the user may add: what pays, and how much.
+    // The preset without the parts that it enables for a GPU, and with the parts that the user may add: the gain of each.
     for preset in ["quality", "balanced", "performance"] {
         let name = format!("rings {preset}");
         let config = format!("{}mode = \"fixed\"\n", preset_config(preset));

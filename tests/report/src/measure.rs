@@ -55,7 +55,7 @@ fn measure_scene(
     pictures: &mut Pictures,
     progress: &mut Progress,
 ) -> Result<(SceneResults, Option<SceneResults>), HarnessError> {
-    // In the middle of the frames that are judged, which are the first of those that are timed.
+    // In the middle of the judged frames, which are the first of the timed frames.
     let jump = plan.judged.run_up + plan.judged.frames / 2;
     let subject = subject(plan, scene, machine, jump);
     let effort = plan.judged;

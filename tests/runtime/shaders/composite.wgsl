@@ -1,5 +1,5 @@
 // Draws composition layers, and copies sub-images and finished eyes to pictures. Each entry point fills its target with
-// one triangle and computes, texel by texel, what is seen there. Rows go downwards, +y is up.
+// one triangle and computes the visible colour, texel by texel. Rows go downwards, +y is up.
 
 struct Params {
     // From the eye's space to the space of the layer: of the submitted view, or of the quad.
@@ -27,7 +27,7 @@ struct Params {
 
 // The view that is shown is the view that was submitted: texel by texel.
 const MODE_EXACT: u32 = 0;
-// Another view of what was submitted, turned.
+// The view that is shown is turned against the view that was submitted.
 const MODE_PROJECTION: u32 = 1;
 const MODE_QUAD: u32 = 2;
 
@@ -67,7 +67,7 @@ fn within(uv: vec2<f32>) -> bool {
     return all(uv >= vec2(0.0)) && all(uv <= vec2(1.0));
 }
 
-// Over what lies below, by the flags of XrCompositionLayerFlags.
+// Premultiplied colour to blend over the layers below, by the flags of XrCompositionLayerFlags.
 fn blended(colour: vec4<f32>) -> vec4<f32> {
     switch params.alpha {
         case ALPHA_PREMULTIPLIED: { return colour; }

@@ -40,7 +40,7 @@ pub(crate) fn tell(messengers: &[Messenger], call: &str, result: &str, fault: &F
     if messengers.is_empty() {
         return;
     }
-    // Neither has a NUL inside: names of functions and results, and text of ours without one.
+    // None of the texts has a NUL inside: names of functions and results have none, and it is removed from messages.
     let text = |text: String| CString::new(text.replace('\0', "")).unwrap_or_default();
     let (id, function) = (text(result.to_owned()), text(call.to_owned()));
     let message = text(format!("{} (\"{}\")", fault.message, fault.section));

@@ -142,8 +142,8 @@ pub(crate) extern "system" fn get_instance_proc_addr(
                 None => return Ok(xr::Result::ERROR_FUNCTION_UNSUPPORTED),
             }
         };
-        // SAFETY: function pointers have one layout; whoever calls it casts it to the type that `name` has in the
-        // specification, which is the type of our function: its parameter types have the layouts of that one's.
+        // SAFETY: function pointers have one layout; any caller casts it to the type that `name` has in the
+        // specification, which is the type of our function: its parameter types have the layouts of those in the specification.
         let found = unsafe { std::mem::transmute::<*const (), xr::pfn::VoidFunction>(found) };
         pointer.set("function", Some(found))?;
         Ok(xr::Result::SUCCESS)

@@ -50,7 +50,7 @@ pub(crate) fn result_name(result: xr::Result) -> String {
 
 /// The result of that name.
 pub(crate) fn result_named(name: &str) -> Option<xr::Result> {
-    // Core results are small numbers; those of extensions go up from 1000000000 in steps of 1000 an extension.
+    // Core results are small numbers; results of extensions start at 1000000000, in steps of 1000 for each extension.
     let core = (-200..=200).map(xr::Result::from_raw);
     core.into_iter().find(|result| result_name(*result) == name)
 }

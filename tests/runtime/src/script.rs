@@ -21,7 +21,7 @@ pub(crate) fn head_at(frames: &[Head], t: f64) -> Pose {
 /// The gaze in the VIEW space, or nothing while the eyes are not tracked.
 pub(crate) fn gaze_at(frames: &[Gaze], t: f64) -> Option<Quat> {
     let (from, to, amount) = around(frames, |frame| frame.t, t)?;
-    // The eyes cannot be on their way to where nobody saw them.
+    // The gaze cannot move towards an untracked direction.
     let to = if to.tracked { to } else { from };
     let mix = |get: fn(&Gaze) -> f32| get(from) + (get(to) - get(from)) * amount;
     from.tracked.then(|| orientation(mix(|gaze| gaze.yaw_deg), mix(|gaze| gaze.pitch_deg), 0.0))

@@ -77,7 +77,7 @@ fn main() -> Result<()> {
             camera(Vec3::Y * EYE_HEIGHT_M + LEFT_EYE, turn)
         }
     };
-    // The scripted gaze, or straight ahead.
+    // The scripted gaze, or the centre of the view.
     let gaze_of = |frame: u64| {
         let gaze = script.as_ref().map_or(Vec3::NEG_Z, |script| script.gaze.at(time_of(frame)).direction);
         camera_of(frame).orientation * gaze

@@ -224,7 +224,7 @@ impl App {
             Some(input) => input.gaze(&self.session, &self.space, time)?,
             None => None,
         };
-        // Straight ahead of the left eye where nothing is known.
+        // The left eye's forward direction if the gaze is unknown.
         let gaze = gaze.unwrap_or(cameras[0].orientation * Vec3::NEG_Z);
         self.projection.draw(&self.renderer, &mut encoder, &cameras, gaze);
         if let Some(board) = &mut self.board {

@@ -208,7 +208,7 @@ fn scripts() {
         let gaze = gaze.iter().flat_map(|key| [key.yaw_deg, key.pitch_deg]);
         let blinks = script.gaze.blinks().iter().flat_map(|blink| [blink.start as f32, blink.end as f32]);
         let numbers = head.chain(gaze).chain(blinks).chain([script.sound.loudness_lufs as f32]);
-        // In steps of 1/64 of a degree or metre: what an angle's last digit does is no other script.
+        // In steps of 1/64 of a degree or metre: a difference in an angle's last digit does not make another script.
         let found = hash_of_numbers(numbers.map(|number| number / 64.0));
         assert_frozen(&format!("the script of {:?}", frozen.scene), found, frozen.script);
     }

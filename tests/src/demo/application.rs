@@ -55,7 +55,7 @@ pub fn exhibits() -> Vec<Exhibit> {
     match system_program("hello_xr") {
         // A frame takes a millisecond: more of them, for the same certainty.
         Ok(_) => {
-            // Threads of a process are placed anew at each start, which changes such short frames by a tenth.
+            // Each start of a process places its threads differently, which changes such short frames by a tenth.
             let longer = Effort { turns: 3, frames: 150, ..timed };
             exhibits.push(Exhibit { warming: 400, ..exhibit(&scene.with_hello_xr(), longer, 0.03) });
         }

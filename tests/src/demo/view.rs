@@ -61,7 +61,7 @@ mod tests {
         let mut scenario = Scenario::new(1);
         scenario.views[0].orientation = Quat::from_rotation_y(0.2).to_array();
         let view = EyeView::of_scenario(&scenario)[0];
-        // Turned to the left, it sees what is straight ahead on its right.
+        // A view turned to the left sees the forward direction on its right.
         assert!((view.gaze.x - 0.2_f32.sin()).abs() < 1e-6, "{}", view.gaze);
     }
 }

@@ -67,7 +67,7 @@ impl Mode {
         let config = match self {
             Self::Off => return LayerMode::Absent,
             Self::Inert => "enabled = false\n",
-            // Rings: nothing measures contrast where nothing is rendered.
+            // Rings: without rendering there is no contrast to measure.
             Self::Rates => "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n",
             Self::Mask => {
                 "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\nbackend = \"mask\"\n"

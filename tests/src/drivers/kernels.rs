@@ -104,7 +104,7 @@ pub fn query(device: ShimDevice) -> Result<Kernels, HarnessError> {
             compiled.kernel = "change".to_owned();
         }
     }
-    // A pipeline of the same stage as another one says the same.
+    // A second pipeline with the same stage has the same statistics.
     let name =
         |compiled: &Compiled| (compiled.kernel.clone(), compiled.entry.clone(), compiled.stage.clone());
     compiled.sort_by_key(name);

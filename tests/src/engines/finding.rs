@@ -122,7 +122,7 @@ pub fn judge(
         system.run(engine, mode, &Settings::counted(scale), Watch::Samples).map(|seen| seen.samples)
     };
     let counted = if checks.samples { [count(Mode::Off)?, count(Mode::On)?] } else { [None; 2] };
-    // Errors are judged around a gaze straight ahead.
+    // Errors are judged around a gaze at the centre of the view.
     let pictures =
         if checks.pictures && !engine.is_tracked { pictures(system, engine, scale)? } else { Vec::new() };
     let messages = if checks.messages { Some(messages(system, engine)?) } else { None };

@@ -70,8 +70,8 @@ impl System {
         let manifests = root.join("root/.local/share/vulkan/explicit_layer.d");
         TestLayer::write_manifests(library, &manifests).map_err(HarnessError::file(&manifests))?;
         write(&layers.join("capture.json"), &capture_manifest(library))?;
-        // Implicit layers from the configuration folder come above those from the data folder, and so this above ours: it tells the layer that
-        // counts samples which passes are the application's.
+        // Implicit layers from the configuration folder come above those from the data folder, and so this above ours: it informs the
+        // sample-counting layer which passes are the application's.
         let above = root.join("root/.config/vulkan/implicit_layer.d/count.json");
         write(&above, &TestLayer::Count.implicit_manifest(library))?;
         let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("engines");

@@ -76,7 +76,7 @@ pub fn cells(technique: &'static Technique) -> Vec<Cell> {
         faults.push(vec![Fault { result: result.to_owned(), ..fault(call) }]);
     }
     for (call, answer) in ANSWERS {
-        // hello_xr begins anew, and waits for ever, also without the layer.
+        // hello_xr starts again, and waits for ever, also without the layer.
         if technique.has_actions && call == "xrPollEvent" {
             continue;
         }

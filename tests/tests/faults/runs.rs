@@ -246,8 +246,8 @@ impl Seen {
         let picture = |view, frame| Some(((view, frame), PictureOf(outcome.submitted(view, frame).ok()?)));
         let faults = outcome.faults().unwrap_or_default();
         let findings = outcome.findings.vulkan.iter().chain(&outcome.findings.openxr);
-        // hello_xr prints what the Vulkan loader tells and what there is, and has two threads that print, now and then into each
-        // other's lines.
+        // hello_xr prints messages of the Vulkan loader and lists of capabilities, and has two threads that print, now and then
+        // into each other's lines.
         let is_told = |line: &String| {
             let noise = [
                 "[Loader Message]",

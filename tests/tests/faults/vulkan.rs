@@ -58,8 +58,8 @@ fn own_faults(technique: &Technique, call: &str, count: u64) -> Vec<VulkanFault>
     }
     if call == "vkWaitForFences" {
         faults.push(VulkanFault { result: TIMEOUT, ..fault(0, 1) });
-        // No wait ever ends well: what is ours is destroyed with the device. Not with hello_xr, which destroys swapchains at once
-        // after their last frame, when nobody could know whether the GPU is done with them.
+        // No wait ever succeeds: our objects are destroyed with the device. Not with hello_xr, which destroys swapchains at once
+        // after their last frame, when it cannot be known whether the GPU is done with them.
         if !technique.has_actions {
             faults.push(VulkanFault { result: TIMEOUT, ..fault(0, u64::MAX) });
         }

@@ -52,7 +52,7 @@ fn a_gaze_by_hand_drives_a_run_the_same_way_each_time() {
     let file = folder.path().join("gaze.csv");
     std::fs::write(&file, "# a look to the left, then to the right\n0,25,0\n0.75,25,0\n0.78,-25,0\n")
         .unwrap();
-    // The headset's own eyes do something else, and have nothing to say.
+    // The gaze of the headset's own tracker moves differently, and has no effect.
     let runs = [looking_around(), Scenario::new(FRAMES).sized(128, 128)]
         .map(|scenario| maps(&scene(&played(&file), &scenario)));
     assert_eq!(runs[0], runs[1]);
@@ -84,7 +84,7 @@ fn a_recording_drives_a_run_as_the_eyes_did() {
     };
     let again = play(&copy);
     assert_eq!(again, play(&folder.path().join("third.csv")));
-    // What is played is recorded as it was, where the eyes were seen.
+    // The played gaze is recorded unchanged, where the eyes were tracked.
     let seen = |path: &Path| -> Vec<[f64; 3]> {
         let text = std::fs::read_to_string(path).unwrap();
         let line = |line: &str| {

@@ -19,7 +19,7 @@ fn printed(outcome: &Outcome) -> Vec<String> {
             .any(|word| line.contains(word))
     };
     let of_input = outcome.output.lines().filter(|line| !is_of_layers(line));
-    // A thread of hello_xr's says this when it comes to it.
+    // A thread of hello_xr prints this line at no fixed time.
     of_input.filter(|line| !line.contains("Press any key")).map(without_numbers_of_a_run).collect()
 }
 

@@ -62,7 +62,7 @@ pub fn skip(lack: &Lack) -> ! {
         eprintln!("cannot run here: {lack} (`cargo dev test` skips it)");
         std::panic::panic_any(lack.clone());
     }
-    // Nothing can be done about a closed stderr; the exit code says the same.
+    // Nothing can be done about a closed stderr; the exit code reports the same.
     drop(writeln!(std::io::stderr(), "\n{LINE}{lack}"));
     std::process::exit(EXIT_CODE)
 }

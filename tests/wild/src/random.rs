@@ -210,7 +210,7 @@ impl RandomGraph {
             };
             let read = [from, color];
             frame.add(Step::new("post", FullScreen, &[to]).full_screen(&read));
-            // What is smaller is a blur beside the picture.
+            // A smaller target is a blur beside the picture.
             if *scale == 1.0 {
                 from = to;
             }

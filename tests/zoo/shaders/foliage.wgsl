@@ -146,7 +146,7 @@ fn through(pixel: vec2<f32>, view: u32) -> vec3<f32> {
     return direction(view, pixel / draw.value * 2.0 - 1.0);
 }
 
-// Where the plane of a point and a normal is seen at a place in the picture; the point itself where the plane is seen from its side.
+// Intersection of the ray through a pixel with the plane of a point and a normal; the point itself if the plane is seen from its side.
 fn in_plane(world: vec3<f32>, normal: vec3<f32>, pixel: vec2<f32>, view: u32) -> vec3<f32> {
     let eye = frame.views[view].eye.xyz;
     let along = normalize(through(pixel, view));

@@ -1,4 +1,4 @@
-// Drawn at once with its lighting; the draw says which view it is for.
+// Drawn at once with its lighting; `draw.view` is the index of the view.
 
 struct Sky {
     @builtin(position) position: vec4<f32>,

@@ -9,7 +9,7 @@ fn shaded(in: Surface) -> vec3<f32> {
     return lit(albedo(in.local, in.box), in.world, normalize(in.normal), frame.views[in.view].eye.xyz);
 }
 
-// Depth from the shader: what it would have been anyway.
+// Depth from the shader: the same as without it.
 @fragment
 fn depth_fs(in: Surface) -> Deep {
     return Deep(vec4(shaded(in), 1.0), in.position.z);

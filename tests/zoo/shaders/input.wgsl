@@ -1,4 +1,4 @@
-// A subpass that reads what the one before it drew: `light` becomes an input attachment.
+// A subpass that reads the output of the previous subpass: `light` becomes an input attachment.
 
 @group(0) @binding(7) var light: texture_2d<f32>;
 

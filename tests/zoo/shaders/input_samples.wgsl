@@ -1,4 +1,4 @@
-// A subpass that resolves what the one before it drew: `light` becomes an input attachment with four samples.
+// A subpass that resolves the output of the previous subpass: `light` becomes an input attachment with four samples.
 
 @group(0) @binding(7) var light: texture_multisampled_2d<f32>;
 

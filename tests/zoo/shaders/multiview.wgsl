@@ -14,8 +14,8 @@ fn boxes_vs(
     return box_vertex(vertex, number, view);
 }
 
-// All of the screen by four triangles around its middle, corner `vertex` of 12, in clip space. Not by one that reaches
-// beyond it: llvmpipe 22.3 draws what is left of that to the first view only.
+// All of the screen by four triangles around its middle, corner `vertex` of 12, in clip space. Not by one triangle that
+// reaches beyond the screen: llvmpipe 22.3 draws the clipped triangle to the first view only.
 fn fan(vertex: u32) -> vec2<f32> {
     var corners = array(vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0));
     let corner = vertex % 3u;

@@ -1,4 +1,4 @@
-// What is done to a picture: full-screen passes that read textures.
+// Post-processing: full-screen passes that read textures.
 
 @group(0) @binding(1) var first: texture_2d<f32>;
 @group(0) @binding(5) var linear: sampler;

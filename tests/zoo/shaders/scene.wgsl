@@ -23,7 +23,7 @@ struct Draw {
     view: u32,
     // Depth of the far plane.
     far: f32,
-    // What else a draw needs to know.
+    // Further parameters of a draw.
     value: f32,
     count: u32,
 }
@@ -39,7 +39,7 @@ struct Box {
     angle: f32,
 }
 
-// What a fragment of a surface needs to know.
+// Inputs of a fragment of a surface.
 struct Surface {
     @builtin(position) position: vec4<f32>,
     @location(0) world: vec3<f32>,

@@ -39,7 +39,7 @@ fn accumulate_fs(in: Screen) -> @location(0) vec4<f32> {
     return accumulated(vec2<i32>(in.position.xy), in.uv, draw.value > 0.5);
 }
 
-// The same where a fragment is a block of pixels, as in `foliage.wgsl`; `draw.far` says which frame is the first.
+// The same where a fragment is a block of pixels, as in `foliage.wgsl`; `draw.far` marks the first frame.
 @fragment
 fn accumulate_look_fs(in: Screen) -> @location(0) vec4<f32> {
     let side = ceil(draw.value / vec2<f32>(textureDimensions(rates)));

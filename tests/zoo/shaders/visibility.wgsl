@@ -1,4 +1,4 @@
-// A visibility buffer: which face of which box is seen, and a pass that finds out how it looks.
+// A visibility buffer with the visible face and its box, and a pass that shades them.
 
 @group(0) @binding(1) var faces: texture_2d<u32>;
 

@@ -276,7 +276,7 @@ impl Gpu {
     pub fn destroy(&self, object: Made) {
         let device = &self.device;
         // SAFETY: each object was made by this device and is destroyed once, after the last use of it: the caller
-        // says so, or the device is idle.
+        // vouches for it, or the device is idle.
         unsafe {
             match object {
                 Made::Buffer(buffer) => device.destroy_buffer(buffer, None),
@@ -302,7 +302,7 @@ impl Gpu {
 
 impl Drop for Gpu {
     fn drop(&mut self) {
-        // SAFETY: sessions are gone: they borrow this. What was kept is destroyed first; where that fails the
+        // SAFETY: sessions are gone: they borrow this. Kept objects are destroyed first; where that fails the
         // device is lost.
         unsafe {
             let _ = self.destroy_made();

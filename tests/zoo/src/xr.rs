@@ -129,7 +129,7 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     let mut show = Show { input, ..Show::new(style, options, &session, course, &gpu)? };
     let shown = show.run(&instance, After::Exit);
     if shown.is_err() {
-        // What the GPU still works with goes now.
+        // Objects that the GPU still uses are destroyed next.
         // SAFETY: the device is live, and no other thread uses its queues any more.
         let _ = unsafe { gpu.device.device_wait_idle() };
     }

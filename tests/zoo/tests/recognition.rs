@@ -80,7 +80,7 @@ fn is_right(noted: &Noted, truth: &PassTruth) -> bool {
         Eyes::Both => &["both"],
         Eyes::None => &["none"],
     };
-    // What passes the picture on and shades nothing stays at 1x1, from when that is known.
+    // A pass that hands the picture on and shades nothing stays at 1x1, once that is known.
     let is_passed_on = truth.is_passed_on() && noted.why.starts_with("a full-screen pass");
     expected.contains(&noted.eyes.as_str())
         || is_passed_on

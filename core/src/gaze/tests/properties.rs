@@ -72,7 +72,7 @@ proptest! {
             now += gap_ms * MS;
             tracker.push(&GazeSample { valid, ..sample(0.0, now) });
             let trust = tracker.state(now).trust;
-            // A sample each 50 ms or more often adds what passed since the last one.
+            // A sample at least every 50 ms adds the time since the last one.
             prop_assert!(trust - before < 0.26 && trust - before > -0.0051, "{before} to {trust}");
             before = trust;
         }
@@ -93,7 +93,7 @@ proptest! {
             twice.push_at(&sample(yaw_deg, time), time + 52 * MS);
             let now = time + 55 * MS;
             let (a, b) = (once.state(now), twice.state(now));
-            // What was too fast to be believed comes again at the same time, and says nothing new.
+            // A sample that was rejected as too fast comes again with the same time, and adds no information.
             prop_assert_eq!(a, b);
         }
     }

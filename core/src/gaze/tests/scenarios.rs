@@ -45,7 +45,7 @@ fn a_slow_tracker_is_no_blink_between_two_samples() {
 fn a_sample_time_that_is_not_known_is_the_usual_latency_ago() {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     let mut now = 5000 * MS;
-    // Follows at 20 deg/s; the source says what the eyes did 50 ms ago, and not that.
+    // Pursuit at 20 deg/s; the source gives the gaze of 50 ms ago, without its time.
     for frame in 0..90 {
         now = 5000 * MS + frame * 11 * MS;
         let yaw_deg = 20.0 * (frame * 11 - 50) as f32 * 1e-3;
@@ -153,7 +153,7 @@ fn a_gaze_outside_of_both_views_is_held_and_then_lost() {
         tracker.push_at(&sample(58.0, time + number * 10 * MS), time + number * 10 * MS + LATENCY);
     }
     assert_eq!(tracker.state(time + 990 * MS + LATENCY).phase, GazePhase::Lost);
-    // Views that say nothing leave it believed.
+    // With invalid views the gaze counts as plausible.
     tracker.set_views(Some([(fov(f32::NAN, 40.0), canted(0.0)); 2]));
     tracker.push_at(&sample(58.0, time + 1000 * MS), time + 1000 * MS + LATENCY);
     assert_eq!(tracker.rejection(), None);
@@ -206,7 +206,7 @@ fn eyes_that_turn_against_the_head_rest() {
                 tracker.head_turned(Quat::from_rotation_y(turned_deg(now, start).to_radians()), now);
             }
             let sampled = (now - LATENCY) / (8 * MS) * (8 * MS);
-            // In another bit each time: it is seen.
+            // Samples differ from frame to frame, so that they do not count as frozen.
             let jitter_deg = 1e-3 * (frame % 7) as f32;
             tracker.push_at(&sample(-20.0 + jitter_deg + turned_deg(sampled, start), sampled), now);
             let state = tracker.state(now);

@@ -33,7 +33,7 @@ impl Head {
     /// Takes its orientation, a unit quaternion, at a time. Returns its turn since the newest time before, degrees.
     pub(super) fn turned(&mut self, told: Quat, time_ns: i64) -> f32 {
         let Some((before, before_ns)) = self.newest() else {
-            // As what was seen before was taken.
+            // The identity, as for the samples before this one.
             self.origin = told.inverse();
             self.keep(Quat::IDENTITY, time_ns);
             return 0.0;

@@ -108,7 +108,7 @@ impl LineFit {
         }
         let sigmas = self.speed_deg_s() / self.speed_noise_deg_s(noise_deg);
         let told = |taken_off: f32| (1.0 - taken_off / (sigmas * sigmas)).max(0.0);
-        // Nothing is told that would hold for longer than the samples span.
+        // The slope is not extrapolated over a longer time than the samples span.
         let leads = if 2.0 * half_s >= seconds { told(SHRINKAGE[1]) } else { 0.0 };
         self.ahead(told(SHRINKAGE[0]) * half_s + leads * seconds - half_s)
     }

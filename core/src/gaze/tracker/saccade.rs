@@ -166,12 +166,12 @@ impl SaccadePath {
     fn predicted(&self, noise_deg: f32) -> Landing {
         let start = middle(&self.start);
         let samples = &self.samples[..self.count];
-        // Farther samples tell more of the direction.
+        // The sum gives farther samples more weight: they determine the direction better.
         let away: Vec3 = samples.iter().map(|sample| middle(sample) - start).sum::<Vec3>();
         let toward = (start + away).normalize_or(start);
         let gone_deg = eccentricity(start, middle(&self.newest)).to_degrees();
         let course = self.course(start, toward, noise_deg);
-        // Across its way it is as uncertain as the way so far tells its direction.
+        // Across its path the landing is as uncertain as the direction of the path so far.
         let across_deg = noise_deg * course.amplitude_deg / gone_deg.max(noise_deg);
         let after = |time_ns: i64, seconds: f32| time_ns.saturating_add((f64::from(seconds) * 1e9) as i64);
         Landing {

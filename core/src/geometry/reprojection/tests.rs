@@ -84,7 +84,7 @@ proptest! {
                 let angle = eccentricity(b.orientation * b.plane.direction(found), world);
                 prop_assert!(angle < 1e-5, "{angle}");
             }
-            // 1e-5: rounding, for what is exactly beside.
+            // 1e-5: rounding, for directions at exactly 90 degrees.
             None => prop_assert!((b.orientation.inverse() * world).z > -1e-5),
         }
     }

@@ -44,7 +44,7 @@ fn one_tile_for_every_started_one() {
 
 #[test]
 fn a_grating_is_in_the_band_of_its_frequency() {
-    // Periods of 4, 8, 16 and 32 pixels: Nyquist * 2^-(i + 1), as `BandFrequencies::Response` says.
+    // Periods of 4, 8, 16 and 32 pixels: Nyquist * 2^-(i + 1), as `BandFrequencies::Response` defines.
     for (expected, period) in [4, 8, 16, 32].into_iter().enumerate() {
         let picture = Plane::from_fn(512, 256, |x, _| {
             50.0 + 10.0 * (x as f32 * std::f32::consts::TAU / period as f32 + 0.5).sin()
@@ -335,7 +335,7 @@ fn known_contrast_is_kept_while_a_tile_is_coarse() {
     let (held, shown) = restored(measured, fine, at(0.01, ShadingRate::R1X1), coarse);
     assert_eq!(held.bands, [0.01, 0.05, 0.3, 0.3]);
     assert_eq!(shown, at(0.5, coarse));
-    // Brighter contrast of the same shape is followed, up to what counts as noise.
+    // Higher contrast of the same shape is followed, up to the limit of noise.
     let brighter = tile([0.4, 0.2, 0.755, 0.3]);
     let (more, follows) = restored(brighter, held, shown, coarse);
     assert!((more.bands[0] - 0.0105).abs() < 1e-5 && (more.bands[1] - 0.0525).abs() < 1e-5, "{more:?}");
@@ -373,7 +373,7 @@ proptest! {
             (known, shown) = restored(tile(measured), known, shown, rate);
         }
         for (known, fine) in known.bands[..=survivor].iter().zip(fine) {
-            // Noise is at most 1.5625 from one frame to another, and 1.3 with what is added before two are compared.
+            // Noise is at most 1.5625 from one frame to another, and 1.3 with the floor that is added before the comparison.
             prop_assert!((known / fine).ln().abs() < 1.5625f32.ln(), "{known} {fine}");
         }
     }

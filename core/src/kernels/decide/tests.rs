@@ -61,7 +61,7 @@ fn a_head_that_turned_finds_tiles_beside() {
         params.measured_in(&view(Quat::IDENTITY, params.extent), Quat::from_rotation_y(two_tiles.atan()));
     assert_eq!(turned.is_turned, 1);
     let [columns, _] = params.tiles;
-    // Straight ahead is in tile 17; there a tile of now lies on one or two tiles of then.
+    // The centre of the view is in tile 17; there a current tile lies on one or two earlier tiles.
     let ahead = turned.contrast(&map, 16 * columns + 17);
     assert!((14.0..=16.0).contains(&ahead.bands[1]), "{ahead:?}");
     let edge = turned.contrast(&map, 16 * columns);

@@ -10,7 +10,7 @@ const MEASURED: TileContrast = TileContrast { bands: [0.9, 0.1, 0.3, 0.2], adapt
 fn lost_octaves_take_the_finest_that_survives() {
     for (rate, bands) in [
         (ShadingRate::R1X1, [0.9, 0.1, 0.3, 0.2]),
-        // Lost in one direction: what the other direction shows counts if it is more.
+        // Lost in one direction: the contrast in the other direction counts if it is higher.
         (ShadingRate::R2X1, [0.9, 0.1, 0.3, 0.2]),
         (ShadingRate::R1X2, [0.9, 0.1, 0.3, 0.2]),
         (ShadingRate::R2X2, [0.1 * 1.7 / 1.1, 0.1, 0.3, 0.2]),

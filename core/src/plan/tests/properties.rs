@@ -139,7 +139,7 @@ proptest! {
                     let at = (in_view.truncate() / -in_view.z - eye.plane().origin) / eye.plane().step;
                     let outside = (-at).max_element().max(at.x - 640.0).max(at.y - 560.0);
                     if in_view.z >= 0.0 || outside > -0.01 {
-                        // Less than a pixel beyond the border, what is there stands for it.
+                        // Less than a pixel beyond the border, the pixel at the border stands for the direction.
                         *age = (in_view.z < 0.0 && outside < 1.0).then_some(0);
                         continue;
                     }

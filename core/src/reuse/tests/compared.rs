@@ -50,7 +50,7 @@ fn tiles_rendered_in_each_frame_are_compared_with_the_oldest_image() {
     let reuse =
         Reuse::new(picture(1.0, &fresh), [0.5, 0.0, -0.5, -1.0].map(|yaw| picture(yaw, &fresh)), true);
     let tiles = compared(&reuse, 3);
-    // What has come into view at the edge is in newer ones, if in any.
+    // Directions that came into view at the edge are only in newer images, if in any.
     assert!(tiles.with_age(3).len() >= 8 * 5 && tiles.count() < 70, "{}", tiles.count());
     assert!(tiles.with_age(4).is_empty());
 }

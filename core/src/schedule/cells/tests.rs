@@ -25,7 +25,7 @@ fn no_point_of_a_cell_is_farther_from_its_centre_than_stated() {
         corners.map(|within| eccentricity(centre(cell), point(cell, within))).into_iter().fold(0.0, f32::max)
     };
     let largest_deg = all().map(radius).fold(0.0, f32::max).to_degrees();
-    // Two units of FINE are what rounding can add.
+    // Rounding can add two units of FINE.
     assert!(largest_deg + 0.02 <= CELL_RADIUS_DEG, "{largest_deg}");
     assert!(largest_deg > 0.95 * CELL_RADIUS_DEG, "{largest_deg}");
 }

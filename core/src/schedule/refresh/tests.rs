@@ -21,7 +21,7 @@ fn the_visible_change_is_that_of_the_sensitivity_and_grows_with_eccentricity() {
     };
     let sensitivity = crate::perception::csf::castle::achromatic(&stimulus, VisualField::Worst);
     assert!((visible.at(20.0) * sensitivity / 2.0 - 1.0).abs() < 1e-4);
-    // Of the order of what is known of large flickering fields: a few percent beside the fovea, tens far out.
+    // Of the order of the known thresholds for large flickering fields: a few percent beside the fovea, tens of percent far out.
     assert!((0.01..0.1).contains(&visible.at(10.0)), "{}", visible.at(10.0));
     assert!((0.1..1.0).contains(&visible.at(35.0)), "{}", visible.at(35.0));
     for width_deg in [0.0, -1.0, f32::NAN, f32::INFINITY] {

@@ -132,7 +132,7 @@ impl Listener<'_> {
                 self.stream = Some(Stream { channel: reply.channel, output, writer });
                 Ok(())
             }
-            // It went away between two questions: the next look tells.
+            // The output went away between two requests: the next query shows the new state.
             Some(ServerMessage::Refused(_, PulseError::NoEntity)) => {
                 self.nothing_to_hear("the output device was removed")
             }

@@ -333,7 +333,7 @@ impl RateImages {
             self.maker.is_over.store(true, Ordering::Release);
             memory.take_all().collect()
         };
-        // SAFETY: nothing is in use, as `# Safety` demands; whoever still names an image destroys it no more.
+        // SAFETY: nothing is in use, as `# Safety` demands; remaining references to an image do not destroy it any more.
         unsafe {
             for image in left {
                 device.destroy_image_view(image.view, None);
@@ -398,7 +398,7 @@ impl Maker {
         let kind = memory_type(&self.memory_types, requirements.memory_type_bits, local)
             .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
         let allocation = self.allocation(&requirements, kind)?;
-        // SAFETY: the place is as the image requires, and nobody else's.
+        // SAFETY: the place meets the image's requirements, and no other object has it.
         let bound = unsafe { device.bind_image_memory(image, allocation.memory, allocation.offset) };
         bound.map(|()| allocation).map_err(|result| {
             self.memory().give_back(allocation);

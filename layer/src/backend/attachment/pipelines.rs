@@ -66,7 +66,7 @@ impl Rates {
                 .log("pipelines stay unchanged, at 1x1");
             for &pipeline in pipelines {
                 if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
-                    // SAFETY: it was just made with this allocator, and nobody has seen it.
+                    // SAFETY: it was just made with this allocator, and no other code has its handle.
                     unsafe { destroy(device, pipeline, allocator) };
                 }
             }

@@ -44,7 +44,7 @@ impl Rates {
             GpuError::Call { call: "vkCreateShadersEXT", result }.log("shaders stay unchanged, at 1x1");
             for &shader in shaders {
                 if let (Some(destroy), true) = (destroy, shader != vk::ShaderEXT::null()) {
-                    // SAFETY: it was just made with this allocator, and nobody has seen it.
+                    // SAFETY: it was just made with this allocator, and no other code has its handle.
                     unsafe { destroy(device, shader, allocator) };
                 }
             }

@@ -246,7 +246,7 @@ impl Masks {
         if !context.restores_graphics || context.has_offsets {
             return Err(Unmasked::GraphicsState);
         }
-        // What temporal filters keep they read again: what is filled would go on from frame to frame.
+        // Temporal filters read their history again: filled pixels would carry over from frame to frame.
         if instead == Unmasked::NoDepth && target.is_history() {
             return Err(Unmasked::History);
         }
@@ -287,7 +287,7 @@ impl Masks {
         if eligible.work.is_any() && !is_multisampled && !map.prepare_depth() {
             return Err(Unmasked::Failed);
         }
-        // A map that leaves tiles out has to be resolved anew first.
+        // A map that leaves tiles out must be resolved again first.
         if !map.is_ready() || (eligible.work.is_any() && !target.note_depth()) {
             return Err(Unmasked::Undrawn);
         }

@@ -81,7 +81,7 @@ impl Masks {
         unsafe {
             let mut attachments: SmallVec<[vk::AttachmentDescription2<'_>; 8]> =
                 slice::from_raw_parts(info.p_attachments, info.attachment_count as usize).into();
-            // A chain may say another layout of stencil.
+            // A chained structure may specify a different stencil layout.
             if !attachments[index].p_next.is_null() {
                 return;
             }

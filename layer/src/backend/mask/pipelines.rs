@@ -98,7 +98,7 @@ impl Masks {
             | Parts::FRAGMENT_SHADER
             | Parts::VERTEX_INPUT_INTERFACE
             | Parts::FRAGMENT_OUTPUT_INTERFACE;
-        // What a fragment shader does besides drawing, it does for every fragment.
+        // Side effects of a fragment shader must occur for every fragment.
         if facts.have_side_effects {
             return None;
         }

@@ -57,7 +57,7 @@ impl DepthTemplate {
                 write_template(&nothing, 0, format, depths, layer);
             }
         };
-        // What is too large to be written by shaders can still be copied.
+        // A buffer that is too large for writes by shaders can still be copied.
         let storage = usage | vk::BufferUsageFlags::STORAGE_BUFFER;
         let (buffer, is_storage) = match DeviceBuffer::new(gpu, storage, size, write) {
             Ok(buffer) => (buffer, true),

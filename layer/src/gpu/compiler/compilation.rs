@@ -43,7 +43,7 @@ impl Compilation {
         let data = file.read().unwrap_or_default();
         let make = |data: &[u8]| {
             let info = vk::PipelineCacheCreateInfo::default().initial_data(data);
-            // SAFETY: the device is live; the data is what the same driver wrote for the same device, whole.
+            // SAFETY: the device is live; the data is complete, and the same driver wrote it for the same device.
             unsafe { device.create_pipeline_cache(&info, None) }
         };
         match make(&data) {

@@ -57,7 +57,7 @@ impl<T: Send + Sync> Task for Slot<T> {
                 other => return *state = other,
             }
         };
-        // Unwind safety: what was half made is dropped.
+        // Unwind safety: half-made objects are dropped.
         let result = catch_unwind(AssertUnwindSafe(|| make(compilation)));
         let new = match result {
             Ok(Ok(made)) => State::Made(Arc::new(made)),

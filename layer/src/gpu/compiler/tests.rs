@@ -72,7 +72,7 @@ fn all_is_made_by_another_thread_and_a_failure_is_its_own() {
     let failed = compiler.ask("a test goes without", |_| Err::<u32, _>(GpuError::Invalid("a test's")));
     let panics = compiler.ask("a test goes without", |_| -> Result<u32, _> { panic!("a test's") });
     wait(&compiler);
-    // The thread is begun anew.
+    // The thread is started again.
     let last = compiler.ask("a test goes without", |_| Ok(7));
     wait(&compiler);
     assert_eq!(first.get().map(|made| **made), Some(true));

@@ -57,7 +57,7 @@ impl Drop for Recording {
     fn drop(&mut self) {
         self.lines = None;
         if let Some(writer) = self.writer.take() {
-            // A writer that panicked has written what it could.
+            // A writer that panicked has written as much as it could.
             let _ = writer.join();
         }
     }

@@ -62,7 +62,7 @@ impl GazeScript {
         let next = self.lines.partition_point(|line| line.seconds <= seconds);
         let from = self.lines.get(next.saturating_sub(1))?;
         let start = from.degrees?;
-        // The eyes cannot be on their way to where nobody saw them.
+        // The gaze does not move towards an untracked position.
         let to = self.lines.get(next).unwrap_or(from);
         let end = to.degrees.unwrap_or(start);
         let span = to.seconds - from.seconds;

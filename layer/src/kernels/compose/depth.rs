@@ -95,7 +95,7 @@ impl DepthSource {
         let turn = turns.load(Ordering::Relaxed) + 1;
         let to = handles[self.kept.slot(turn)];
         let layers = shape.array_layers;
-        // While it is written, nothing counts on what is overwritten.
+        // Stored first: during the copy, no reader relies on the depth that it overwrites.
         turns.store(turn, Ordering::Relaxed);
         let slot = self.kept.slot(turn) as u64;
         let key = RecordingKey::from_slice(&[self.serial, index.into(), slot]);

@@ -159,7 +159,7 @@ impl PassHistory {
     ) -> Option<Outcome> {
         let outcomes = |frame: usize| {
             let roles = self.frames.get(frame).map_or(&[][..], Vec::as_slice);
-            // What lasts says nothing of a new image: that may be a mirror's, which was not there before.
+            // Passes to lasting images are no evidence for a new image: that may belong to a mirror that did not exist before.
             let counts = |role: &&PassRecord| role.is_young || role.shape.is_shown;
             roles.iter().filter(|role| is_like(&role.shape)).filter(counts).map(|role| &role.outcome)
         };
@@ -171,7 +171,7 @@ impl PassHistory {
             if alike && (first.is_ok() || stable) {
                 return Some(first.clone());
             }
-            // What turned up in a quad is given up at once, whatever it was before.
+            // A pass whose image was shown in a quad loses its match at once, regardless of its earlier verdict.
             if !stable && outcomes(frame).any(|outcome| *outcome == Err(Unmatched::Flat)) {
                 return Some(Err(if alike { Unmatched::Flat } else { Unmatched::Ambiguous }));
             }

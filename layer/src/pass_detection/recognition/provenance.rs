@@ -284,7 +284,7 @@ impl Provenance {
         }
         let mut sources = Sources::new();
         let mut has_unknown_part = false;
-        // Numbers and what is much smaller (exposure, blurs) tell only where nothing else does.
+        // Images of numbers and much smaller images (exposure, blurs) count only where the other images give no answer.
         for are_pictures in [true, false] {
             for image in read.iter().filter(|image| known.is_picture(**image, pass) == are_pictures) {
                 let is_unknown = self.sources_of(*image, index, events, known, depth + 1, &mut sources);

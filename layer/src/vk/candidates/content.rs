@@ -114,7 +114,7 @@ impl Content {
         let has_parts = self.uses.iter().any(|used| !used.parts.is_empty());
         let is_outdated = self.is_changed || (has_parts && self.plan < plan);
         let is_needed = match self.is_shared {
-            // What is left out would be so for ever.
+            // Tiles that the map leaves out would be left out for ever.
             true => self.leaves_out(),
             false => is_outdated && (has_parts || self.is_coarse),
         };

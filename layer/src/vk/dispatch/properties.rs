@@ -15,7 +15,7 @@ pub unsafe extern "system" fn enumerate_instance_layers(
     count: *mut u32,
     properties: *mut vk::LayerProperties,
 ) -> vk::Result {
-    // SAFETY: the caller passes a count, and null or as many structures as the count says.
+    // SAFETY: the caller passes a count, and null or as many structures as the count states.
     guard(
         "vkEnumerateInstanceLayerProperties",
         || vk::Result::ERROR_OUT_OF_HOST_MEMORY,
@@ -86,8 +86,8 @@ pub unsafe extern "system" fn enumerate_device_extensions(
             }
         },
         |_| {
-            // SAFETY: the caller passes null or a null-terminated name, a count, and a live physical device; what
-            // is not ours to answer goes to the next layer's function with the same arguments.
+            // SAFETY: the caller passes null or a null-terminated name, a count, and a live physical device; a query that the layer does not
+            // answer goes to the next layer's function with the same arguments.
             unsafe {
                 if let Some(result) = no_extensions(layer, count) {
                     return result;

@@ -157,7 +157,7 @@ impl Log {
 
     /// Begins the next frame without learning from the last one.
     pub fn begin_next(&mut self, objects: &Objects) {
-        // Eye passes of a frame that nobody followed are taken to be those of the last sample.
+        // Eye passes of a frame that was not followed are assumed to be the same as in the last sample.
         if self.learns() {
             self.last_eye_passes = self.eye_passes.number();
         }

@@ -126,7 +126,7 @@ impl Decision {
             orientation: Quat::from_xyzw(x, y, z, w),
             coarsening: (coarsening + record.fixed.coarsening.min(255)).min(255),
         };
-        // What belongs to other tiles decides nothing.
+        // A record for a different tile grid is ignored.
         (record.is_decided == 1 && record.fixed.tiles == record.tiles).then_some(decision)
     }
 }

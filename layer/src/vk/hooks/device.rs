@@ -144,7 +144,7 @@ impl Below<'_> {
             let version = instance.api_version.min(properties(instance, physical_device).api_version);
             attachment::create::device(instance, physical_device, version, &*info, &mut copies)?
         };
-        // SAFETY: the handle and the loader's structure are valid, as `# Safety` demands, and written by nobody else.
+        // SAFETY: the handle and the loader's structure are valid, as `# Safety` demands, and no other code writes to them.
         let result = unsafe {
             let before = Saved::of(self.device, chain::device_link(info));
             let result = (self.create)(physical_device, &amended, self.allocator, self.device);
@@ -195,7 +195,7 @@ unsafe fn track(
             set_device_loader_data,
             arming: arming as u32,
         };
-        // SAFETY: the handles of the record are live, and the pointers those of the layer that made them.
+        // SAFETY: the handles of the record are live, and the pointers come from the layer that made the handles.
         unsafe { arm(record, hooked, (arming, enabled), is_cpu) }
     });
     let state = match (&armed, instance.enabled) {

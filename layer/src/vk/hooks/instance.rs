@@ -103,7 +103,7 @@ unsafe fn create_below(
             attachment::create::instance(&*info, version, &mut copies)
         };
         if let Some(amended) = amended {
-            // SAFETY: the handle and the loader's structure are valid, as `# Safety` demands, and written by nobody else.
+            // SAFETY: the handle and the loader's structure are valid, as `# Safety` demands, and no other code writes to them.
             unsafe {
                 let before = Saved::of(instance, chain::instance_link(info));
                 let result = create(&amended, allocator, instance);

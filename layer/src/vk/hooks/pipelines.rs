@@ -31,7 +31,7 @@ pub unsafe extern "system" fn create_pipelines(
                 None => unsafe { next(device, cache, count, infos, allocator, made) },
             });
             if let (Some(masks), true) = (known.masks(), result.as_raw() >= 0) {
-                // SAFETY: valid usage demands `count` structures; the call has written as many pipelines, null for those that failed.
+                // SAFETY: valid usage demands `count` structures; the call has written as many pipelines, null for each one that failed.
                 unsafe { masks.add_pipelines(infos, made, count) };
             }
             result

@@ -31,7 +31,7 @@ pub unsafe extern "system" fn create(
                 None => unsafe { next(device, count, infos, allocator, made) },
             });
             if let Some(masks) = known.masks() {
-                // SAFETY: valid usage demands `count` structures; the call has written as many shaders, null for those that failed.
+                // SAFETY: valid usage demands `count` structures; the call has written as many shaders, null for each one that failed.
                 unsafe { masks.add_shader_objects(slice(infos, count), slice(made.cast_const(), count)) };
             }
             result

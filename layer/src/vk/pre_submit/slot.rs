@@ -172,7 +172,7 @@ impl Slot {
     pub fn stage(&mut self, offset: usize, len: usize, write: impl FnOnce(&mut [u8])) {
         let Some(staging) = &self.staging else { return };
         if offset + len <= staging.len {
-            // SAFETY: within the mapped memory, which nobody else writes, and the GPU does not read: not pending.
+            // SAFETY: within the mapped memory, which no other code writes, and the GPU does not read: not pending.
             let bytes = unsafe { std::slice::from_raw_parts_mut(staging.mapped.add(offset), len) };
             write(bytes);
         }
@@ -236,7 +236,7 @@ impl Staging {
             .size(len as vk::DeviceSize)
             .usage(vk::BufferUsageFlags::TRANSFER_SRC)
             .sharing_mode(vk::SharingMode::EXCLUSIVE);
-        // SAFETY: the device is live; what is made is destroyed where a later step fails.
+        // SAFETY: the device is live; the new objects are destroyed where a later step fails.
         unsafe {
             let buffer = device.create_buffer(&info, None).map_err(GpuError::from_call("vkCreateBuffer"))?;
             let mut staging =

@@ -248,7 +248,7 @@ pub unsafe extern "system" fn execute(
             let mut recorded = known.recorded();
             // SAFETY: valid usage demands `count` command buffers.
             for secondary in unsafe { slice(secondaries, count) } {
-                // Whoever records a command buffer that is executed breaks the rules, and must not lock up.
+                // An application that records a command buffer during its execution violates valid usage, but must not deadlock here.
                 if let Some(secondary) = tracked(*secondary)
                     && let Ok(secondary) = secondary.recorded.try_lock()
                 {

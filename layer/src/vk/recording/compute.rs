@@ -59,7 +59,7 @@ impl Bound {
     /// `commands` is recording, and this was its bound state.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         let point = vk::PipelineBindPoint::COMPUTE;
-        // SAFETY: the command buffer is recording, as `# Safety` demands; what was bound stays valid as long as that does.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; the bound objects stay valid as long as it does.
         unsafe {
             if let Some(bind) = next.cmd_bind_pipeline
                 && self.pipeline != vk::Pipeline::null()
@@ -225,7 +225,7 @@ pub unsafe extern "system" fn bind_sets2(
         }
         next();
         let Some(known) = known else { return };
-        // A chain may say another layout.
+        // A chained structure may specify a different layout.
         if !info.p_next.is_null() {
             known.recorded().compute.bind_more();
             known.recorded().drawing.bind_more();

@@ -240,7 +240,7 @@ pub unsafe extern "system" fn set_offsets2(
             };
             let points = points(info.stage_flags);
             let set = |kept: &mut BufferOffsets| {
-                // A chain may say another layout.
+                // A chained structure may specify a different layout.
                 kept.has_more |= !info.p_next.is_null();
                 for &point in &points {
                     let what = What::Offsets(indices.into(), offsets.into());

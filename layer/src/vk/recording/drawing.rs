@@ -110,7 +110,7 @@ impl Bound {
     ///
     /// `commands` is recording, outside of a render pass, and this was its bound state.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
-        // SAFETY: the command buffer is recording, as `# Safety` demands; what was bound stays valid as long as that does.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; the bound objects stay valid as long as it does.
         unsafe {
             if let (Some(viewport), Some(set)) = (&self.viewport, next.cmd_set_viewport) {
                 set(commands, 0, 1, viewport);
@@ -323,7 +323,7 @@ pub unsafe fn pass_begins(buffer: &Buffer, handle: vk::CommandBuffer) {
         && pipeline != vk::Pipeline::null()
         && buffer.armed.masks.as_ref().is_some_and(|masks| masks.can_return(pipeline))
     {
-        // SAFETY: the command buffer is recording, as `# Safety` demands; the pipeline is bound, or what has its place.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; the pipeline or its substitute is bound.
         unsafe { bind(buffer, handle, pipeline, |pipeline| next(handle, GRAPHICS, pipeline)) };
     }
 }

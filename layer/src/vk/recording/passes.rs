@@ -227,7 +227,7 @@ pub unsafe fn end_tracked(buffer: &Buffer, handle: vk::CommandBuffer) {
         (mask, bound)
     };
     if let (Some(masks), Some(mask), Some((compute, offsets))) = (&buffer.armed.masks, mask, bound) {
-        // SAFETY: the command buffer is recording, as `# Safety` demands; what the pass drew to is live, as it is in use.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; the attachments of the pass are live, as they are in use.
         unsafe {
             masks.end_pass(&mask, handle);
             compute.restore(&buffer.armed.next, handle);
@@ -270,7 +270,7 @@ impl Buffer {
         let target = candidate.as_ref().map(|candidate| (candidate.target, candidate.mask()));
         // SAFETY: the command buffer is recording outside of render passes, as `# Safety` demands.
         let settle = |mask: Option<&_>| unsafe { self.settle(handle, attachments, area, mask) };
-        // SAFETY: as above; the attachments are those of the pass that is about to begin.
+        // SAFETY: as above; the attachments belong to the pass that is about to begin.
         let opened =
             unsafe { masks.begin_pass(handle, target, pass, attachments, context, (loading, settle)) };
         let (mask, loading) = opened.unzip();

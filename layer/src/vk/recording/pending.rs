@@ -101,7 +101,7 @@ impl Buffer {
         unsafe {
             self.fill_where(handle, |pending| attachments.have(pending.target.image) && !is_own(pending));
         }
-        // What the pass leaves is known when it ends.
+        // The fills that the pass leaves pending are known when it ends.
         self.recorded().pending.retain(|pending| !attachments.have(pending.target.image));
     }
 

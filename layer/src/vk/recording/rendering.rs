@@ -126,7 +126,7 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
     let stencil = unsafe { info.p_stencil_attachment.as_ref() }.filter(is_attached);
     // SAFETY: valid usage demands a valid chain.
     let has_own_rates = unsafe { has_own_rates(info) };
-    // Without multiview the pass draws to `layer_count` layers of each view, and with it to those of the mask.
+    // Without multiview the pass draws to `layer_count` layers of each view, with multiview to the layers of the mask.
     let target = |view: vk::ImageView| -> Option<Target> {
         let mut target = objects.view(view)?.target;
         if info.view_mask == 0 {

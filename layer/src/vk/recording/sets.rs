@@ -74,7 +74,7 @@ impl BoundSets {
         let Some(bind) = next.cmd_bind_descriptor_sets else { return };
         for Call { layout, first, sets, offsets } in &self.calls {
             let (count, offset_count) = (sets.len() as u32, offsets.len() as u32);
-            // SAFETY: the command buffer is recording, as `# Safety` demands; what was bound stays valid as long as that does.
+            // SAFETY: the command buffer is recording, as `# Safety` demands; the bound objects stay valid as long as it does.
             unsafe {
                 bind(commands, point, *layout, *first, count, sets.as_ptr(), offset_count, offsets.as_ptr());
             }

@@ -63,7 +63,7 @@ macro_rules! transfer2 {
                 }
                 next();
                 if let Some(known) = known {
-                    // SAFETY: the pointer is valid, by valid usage, with as many regions as it says.
+                    // SAFETY: the pointer is valid, by valid usage, with `region_count` regions.
                     let (info, regions) = unsafe { (&*info, slice((*info).p_regions, (*info).region_count)) };
                     note(&known, TransferKind::$kind, info.src_image, info.dst_image, regions);
                 }

@@ -76,7 +76,7 @@ impl ShaderModules {
         if let Some(module) = self.0.get(stage.module) {
             return module.effects(name, &constants);
         }
-        // SAFETY: the chain is valid, as `# Safety` demands, and its structures have as many bytes as they say.
+        // SAFETY: the chain is valid, as `# Safety` demands, and its structures have as many bytes as they state.
         unsafe {
             let code = extension::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next);
             let module = code.and_then(|code| Module::read(&words(code.p_code.cast(), code.code_size)));

@@ -60,7 +60,7 @@ fn an_applications_own_features_are_amended_and_stay_its_own() {
     // Behind structures that this layer does not know, which are the usual case at the creation of a device.
     let created = created(vk::API_VERSION_1_2, unknown(1_000_000_000, own.cast()), false);
     assert_eq!(created.features, [1, 1, 1]);
-    // SAFETY: it lives, and nobody else uses it.
+    // SAFETY: it lives, and no other code uses it.
     let own = unsafe { *own };
     assert_eq!((own.pipeline_fragment_shading_rate, own.attachment_fragment_shading_rate), (0, 0));
 }

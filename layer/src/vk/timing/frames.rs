@@ -82,7 +82,7 @@ impl FrameTimes {
         loop {
             let is_done = |known: &Frame| known.frame < under_way && known.pending == 0;
             let done = self.frames.iter().position(is_done)?;
-            // What is still waited for of earlier ones would come too late.
+            // Timestamps of earlier frames that are still missing would arrive too late.
             (0..done).for_each(|_| self.forget_first());
             let first = self.frames.first_mut()?;
             let time = (!first.is_incomplete && first.has_application).then(|| first.time(step_ns));

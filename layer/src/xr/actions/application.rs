@@ -70,7 +70,7 @@ impl Suggested {
 fn user_of(instance: &Instance, binding: xr::Path) -> Option<xr::Path> {
     let mut text = [0 as c_char; xr::MAX_PATH_LENGTH];
     let mut length = 0;
-    // SAFETY: the next layer's function, a live instance, and a buffer of the capacity that is told.
+    // SAFETY: the next layer's function, a live instance, and a buffer of the capacity that is passed.
     let result = unsafe {
         let to_string = instance.next.path_to_string;
         to_string(instance.handle, binding, text.len() as u32, &mut length, text.as_mut_ptr())

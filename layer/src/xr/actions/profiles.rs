@@ -65,8 +65,7 @@ impl Profiles {
         let known = current(session, users(session)).unwrap_or_default();
         let mut state = self.state();
         state.view = Visibility::Own;
-        // Without a profile of the application's there was nothing to tell it; and what the runtime tells from now on is
-        // news to it.
+        // Without a profile of the application's there was no change to report to it; and the runtime's reports from now on are new to it.
         state.owed &= has_any(&known);
         state.known = if state.owed { known } else { Current::new() };
     }

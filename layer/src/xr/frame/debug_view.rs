@@ -226,7 +226,7 @@ unsafe fn draw_eyes(
                 pass.copied(eye, seen.shape.tiles);
                 None
             }
-            // The last copy is of what was decided shortly before.
+            // The last copy has the rates that were decided shortly before.
             RatesCopy::LeftOut if pass.has_copy(eye, seen.shape.tiles) => None,
             RatesCopy::LeftOut => continue,
         };

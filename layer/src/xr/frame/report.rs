@@ -45,7 +45,7 @@ fn shown_view(index: usize, view: &ProjectionView) -> Option<ShownViewRecord> {
     let sides = [offset.x, offset.y, extent.width, extent.height];
     let [x, y, width, height] = sides.map(u32::try_from);
     Some(ShownViewRecord {
-        // The first two views are the eyes' in every configuration; what comes after is an inset in them.
+        // The first two views are the eyes' in every configuration; the views after them are insets in the eyes' views.
         eye: if index < 2 { index as u32 } else { NO_EYE },
         swapchain: swapchain.into_raw(),
         image_index: swapchain::newest_image(swapchain).unwrap_or(NO_IMAGE),

@@ -37,7 +37,7 @@ impl Below {
     /// without an instance.
     pub fn offered(&self) -> Option<Vec<xr::ExtensionProperties>> {
         let is_end = self.list.next_info.is_null();
-        // SAFETY: what comes after the last layer is the loader itself.
+        // SAFETY: below the last layer is the loader itself.
         is_end.then(|| unsafe { extensions::offered(self.get_instance_proc_addr) }).flatten()
     }
 

@@ -106,7 +106,7 @@ pub unsafe fn offered(get: pfn::GetInstanceProcAddr) -> Option<Vec<xr::Extension
         extension_version: 0,
     };
     let mut extensions = vec![blank; count as usize];
-    // SAFETY: an array of the capacity that is told, and a place for the count.
+    // SAFETY: an array of the capacity that is passed, and a place for the count.
     let result = unsafe { enumerate(ptr::null(), count, &mut count, extensions.as_mut_ptr()) };
     extensions.truncate(count as usize);
     (result == xr::Result::SUCCESS && !extensions.is_empty()).then_some(extensions)

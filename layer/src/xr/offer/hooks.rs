@@ -163,7 +163,8 @@ fn is_driven_below(session: &Session, offer: &Offer, action: xr::Action) -> bool
     };
     let mut state =
         xr::ActionStatePose { ty: xr::ActionStatePose::TYPE, next: ptr::null_mut(), is_active: xr::FALSE };
-    // SAFETY: the next layer's function, a live session and valid structures. An action that is destroyed by now is an error, which says no.
+    // SAFETY: the next layer's function, a live session and valid structures. An action that is destroyed by now is an error, which counts as
+    // false.
     let result = unsafe { (offer.next.get_action_state_pose)(session.handle, &info, &mut state) };
     result.into_raw() >= 0 && state.is_active.into()
 }
@@ -199,7 +200,7 @@ pub(super) fn attachment_error(session: &Session, offer: &Offer) -> Option<xr::R
 pub unsafe fn note_event(event: &xr::EventDataBuffer) {
     match event.ty {
         xr::EventDataSessionStateChanged::TYPE => {
-            // SAFETY: the type says which structure the buffer begins with; the buffer is larger and as aligned.
+            // SAFETY: the type identifies the structure at the start of the buffer; the buffer is larger and as aligned.
             let changed = unsafe { &*ptr::from_ref(event).cast::<xr::EventDataSessionStateChanged>() };
             let known = session::find(changed.session);
             if let Some(offered) = known.as_ref().and_then(|known| known.offer.as_ref()) {
@@ -211,7 +212,7 @@ pub unsafe fn note_event(event: &xr::EventDataBuffer) {
             let changed = unsafe { &*ptr::from_ref(event).cast::<xr::EventDataInteractionProfileChanged>() };
             let known = session::find(changed.session);
             if let Some(offered) = known.as_ref().and_then(|known| known.offer.as_ref()) {
-                // One event tells of all profiles.
+                // One event reports all profiles.
                 offered.take_owed();
             }
         }

@@ -103,7 +103,7 @@ impl Copied {
             )
         };
         if let Some(layer) = projection.filter(|layer| !layer.views.is_null()) {
-            // SAFETY: the layer has as many valid views as it says, as `# Safety` demands.
+            // SAFETY: the layer has `view_count` valid views, as `# Safety` demands.
             let views = unsafe { std::slice::from_raw_parts(layer.views, layer.view_count as usize) };
             let views = views
                 .iter()

@@ -27,7 +27,7 @@ pub unsafe extern "system" fn get_system_properties(
         let Some(known) = concerned.filter(|_| !properties.is_null()) else {
             return answer.record(below());
         };
-        // SAFETY: valid usage: the structure and its chain are valid, and the application lets nobody else use them.
+        // SAFETY: valid usage: the structure and its chain are valid, and the application lets no other code use them.
         let gaze = unsafe {
             pnext::unlink::<xr::SystemEyeGazeInteractionPropertiesEXT>(&raw mut (*properties).next)
         };

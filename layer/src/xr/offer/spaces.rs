@@ -221,7 +221,7 @@ pub unsafe extern "system" fn locate(
             if (from.gaze.is_none() && to.gaze.is_none()) || location.is_null() {
                 return answer.record(below(space, base));
             }
-            // SAFETY: valid usage: the structure and its chain are valid, and the application lets nobody else use them.
+            // SAFETY: valid usage: the structure and its chain are valid, and the application lets no other code use them.
             let mut sample = unsafe { pnext::unlink::<xr::EyeGazeSampleTimeEXT>(&raw mut (*location).next) };
             let result = answer.record(below(from.handle, to.handle));
             if result.into_raw() < 0 {

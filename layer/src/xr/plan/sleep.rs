@@ -77,7 +77,7 @@ pub fn fall_asleep(
     time: xr::Time,
     unfollowed: u32,
 ) {
-    // The last of them is noticed: its end tells the Vulkan half the number of the next frame.
+    // The last of these frames is not ignored: its end passes the number of the next frame to the Vulkan half.
     let frames = unfollowed.saturating_sub(1);
     if frames >= LEAST_FRAMES && may_sleep(session, (active, config), time) {
         active.plan.sleep.begin(frames);

@@ -151,7 +151,7 @@ unsafe extern "C" fn finish(context: *const c_void) {
         "the plan that a submit awaits",
         || (),
         |_| {
-            // SAFETY: `PlanThread::begin` announced the context, which lives until it is withdrawn; the Vulkan half calls nobody after that.
+            // SAFETY: `PlanThread::begin` announced the context, which lives until it is withdrawn; the Vulkan half makes no callbacks after that.
             if let Some(shared) = unsafe { context.cast::<SharedPlan>().as_ref() } {
                 shared.finish();
             }

@@ -50,7 +50,7 @@ pub unsafe extern "system" fn locate_views(
         let result = answer.record(below(info));
         let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
         if let (true, Some((known, active))) = (result.into_raw() >= 0, active) {
-            // SAFETY: the call succeeded: its arguments are valid, and as many views were written as it says.
+            // SAFETY: the call succeeded: its arguments are valid, and as many views were written as `count` states.
             unsafe {
                 if let (Some(info), Some(state), Some(count)) =
                     (info.as_ref(), state.as_ref(), count.as_ref())
@@ -241,7 +241,7 @@ pub fn head_in_layer(
 ) -> Option<Quat> {
     let of_views = || head_of(layer.views.iter().take(2).filter_map(|view| view.orientation));
     match config.gaze.source {
-        // Straight ahead of the picture, whenever it was drawn.
+        // The centre of the eye buffer's view, whenever the eye buffer was drawn.
         GazeSource::Centre => of_views(),
         GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
             locate().or_else(of_views)

@@ -106,7 +106,7 @@ impl PlanWork {
                 let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
                 if let Some(record) = planning.new_rates(&task.config, serial) {
                     let start = FrameStart { settings: ptr::null(), plan: &record, awaited: ptr::null() };
-                    // SAFETY: the record points to `planning`'s memory, which is locked. The Vulkan half copies it, and calls nobody.
+                    // SAFETY: the record points to `planning`'s memory, which is locked. The Vulkan half copies it, and makes no callbacks.
                     unsafe { self.device.begin_frame(&start) };
                 }
             }

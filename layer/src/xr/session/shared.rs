@@ -23,7 +23,7 @@ pub unsafe fn on(device: &VulkanDevice) -> Result<Arc<Shared>, GpuError> {
     if let Some(known) = SHARED.get(handle) {
         return if known.is_given_up() { Err(GpuError::Abandoned) } else { Ok(known) };
     }
-    // SAFETY: the device is live, as `# Safety` demands; it is told of below when it ends, or else all ends with the session.
+    // SAFETY: the device is live, as `# Safety` demands; `when_it_ends` below registers for its end, or else all ends with the session.
     let new = unsafe { Shared::new(&device.record) }?;
     Ok(if device.when_it_ends(ended) { SHARED.get_or_insert(handle, new) } else { new })
 }

@@ -54,7 +54,7 @@ pub unsafe extern "system" fn create(
                 None => Err(NotSubstituted::NoWork),
             };
             let mut result = xr::Result::ERROR_RUNTIME_FAILURE;
-            // What the runtime's images may be used for, once a call succeeds.
+            // Usage of the runtime's images, once a call succeeds.
             let mut usage_flags = xr::SwapchainUsageFlags::EMPTY;
             if let (Some(asked), Ok(_)) = (asked, &planned) {
                 let may_judge = known.may_judge(&config);

@@ -28,7 +28,7 @@ pub unsafe extern "system" fn enumerate_images(
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.enumerate_swapchain_images)(handle, capacity, count, images) };
-    // What is left of the hook after a panic: a virtual swapchain stays one.
+    // The rest of the hook after a panic: a virtual swapchain remains virtual.
     let pass_on = || match substitute_of(&known) {
         // SAFETY: the application's own arguments.
         Some(substitute) => unsafe { enumerate_ours(substitute, capacity, count, images) },

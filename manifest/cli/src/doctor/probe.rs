@@ -68,7 +68,7 @@ impl Asked {
         let spawned = command.spawn().map(|mut child| {
             let (sender, receiver) = mpsc::channel();
             let output = child.stdout.take();
-            // Only a line: what a runtime starts may keep the other end open for as long as it runs.
+            // Only a line: a process that the runtime starts may keep the other end open for as long as it runs.
             thread::spawn(move || {
                 let mut line = String::new();
                 let _ = output.map(|output| BufReader::new(output).read_line(&mut line));

@@ -46,7 +46,7 @@ pub fn apply(text: &str, option: &OptionSpec, change: Change<'_>) -> Result<Stri
             let mut new = value(option, typed);
             match table.get_mut(option.name) {
                 Some(Item::Value(old)) => {
-                    // What stands behind it, such as a comment, stays.
+                    // The text behind the value, such as a comment, stays.
                     *new.decor_mut() = old.decor().clone();
                     *old = new;
                 }

@@ -67,7 +67,7 @@ impl<'a> Calls<'a> {
             suggested_bindings: bindings.as_ptr(),
         };
         let xr = &self.app.xr;
-        // SAFETY: the instance is live and the structures outlive the call. What is wrong in them the runtime has to notice.
+        // SAFETY: the instance is live and the structures outlive the call. The runtime has to detect errors in them.
         Ok(unsafe { (xr.functions.suggest_bindings)(xr.instance, &suggestion) })
     }
 

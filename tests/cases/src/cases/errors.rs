@@ -98,7 +98,7 @@ pub fn destroyed_handle(app: &App) -> Outcome {
         timeout: xr::Duration::NONE,
     };
     let mut index = 0;
-    // SAFETY: the pointers outlive the calls; that the handle is dead is what the runtime has to notice.
+    // SAFETY: the pointers outlive the calls; the runtime has to detect that the handle is dead.
     let results = unsafe {
         [
             ("acquire", (functions.acquire_image)(dead, null(), &mut index)),

@@ -74,7 +74,7 @@ pub fn forks(app: &App) -> Outcome {
 fn fork_off(app: &App, end: End) -> Result<(), Failure> {
     let program = c"/bin/true";
     let arguments = [program.as_ptr(), null()];
-    // SAFETY: the child calls what may be called there, and `exit`, of which applications expect as much.
+    // SAFETY: the child calls functions that may be called there, and `exit`, which applications expect to work there, too.
     let child = unsafe { fork() };
     if child == 0 {
         // SAFETY: as above; the arguments end with null.

@@ -26,7 +26,7 @@ impl Session<'_> {
             self.app.report().event(format!("{:?}", event.ty));
             return;
         }
-        // SAFETY: the type says which structure the buffer begins with; the buffer is larger and as aligned.
+        // SAFETY: the type identifies the structure at the start of the buffer; the buffer is larger and equally aligned.
         let changed = unsafe { *from_ref(event).cast::<xr::EventDataSessionStateChanged>() };
         if changed.session == self.handle {
             self.app.report().event(format!("state {:?}", changed.state));

@@ -58,7 +58,7 @@ impl Session<'_> {
             layers: pointers.as_ptr(),
         };
         // SAFETY: the session is live; `depths`, `views` and `structures`, which the layers point to, outlive
-        // the call. A handle in them may be invalid on purpose: the runtime has to say so.
+        // the call. A handle in them may be invalid on purpose: the runtime has to report it.
         let result = unsafe { (self.app.xr.functions.end_frame)(self.handle, &info) };
         if result == xr::Result::SUCCESS {
             self.note_pictures(layers);

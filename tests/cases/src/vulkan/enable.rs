@@ -20,7 +20,7 @@ pub fn create(xr: &Xr, version: VulkanVersion) -> Result<Vulkan, Failure> {
         unsafe { get(xr.instance, xr.system, capacity, count, buffer) }
     })?;
     let instance = with_instance_info(version, &extensions, |info| {
-        // SAFETY: the structure and what it points to outlive the call.
+        // SAFETY: the structure and the data that it points to outlive the call.
         Ok(unsafe { entry.create_instance(info, None) }?)
     })?;
     let physical_device = graphics_device(xr, instance.handle())?;

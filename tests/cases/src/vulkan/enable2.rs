@@ -45,7 +45,7 @@ fn create_instance(
     };
     let mut instance: *const c_void = null();
     let mut vulkan_result = 0;
-    // SAFETY: the structures and what they point to outlive the call.
+    // SAFETY: the structures and the data that they point to outlive the call.
     let result = unsafe { create(xr.instance, &info, &mut instance, &mut vulkan_result) };
     succeeded("xrCreateVulkanInstanceKHR", result)?;
     vk::Result::from_raw(vulkan_result).result()?;
@@ -88,7 +88,7 @@ fn create_device(
     };
     let mut device: *const c_void = null();
     let mut vulkan_result = 0;
-    // SAFETY: the structures and what they point to outlive the call.
+    // SAFETY: the structures and the data that they point to outlive the call.
     let result = unsafe { create(xr.instance, &info, &mut device, &mut vulkan_result) };
     succeeded("xrCreateVulkanDeviceKHR", result)?;
     vk::Result::from_raw(vulkan_result).result()?;

@@ -45,7 +45,7 @@ fn text(object: &str, key: &str) -> Option<String> {
     loop {
         match characters.next()? {
             '"' => return Some(value),
-            // Paths have no other escapes than those of `"` and `\`.
+            // Paths escape only `"` and `\`.
             '\\' => value.push(characters.next()?),
             other => value.push(other),
         }

@@ -40,7 +40,7 @@ mod tests {
     fn two_workers_work_at_the_same_time() {
         let ((to_first, first), (to_second, second)) = (channel(), channel());
         let met = run(2, vec![(to_second, first), (to_first, second)], |(other, own)| {
-            // It has no receiver any more if the other piece has given up.
+            // The receiver is gone if the other piece has timed out.
             _ = other.send(());
             own.recv_timeout(Duration::from_secs(20)).is_ok()
         });

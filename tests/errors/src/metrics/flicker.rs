@@ -125,7 +125,7 @@ impl BandPass {
             .iter_mut()
             .zip(&self.window)
             .for_each(|(value, weight)| *value = (*value - mean) * weight);
-        // Lengths are those of the plans: neither transform fails.
+        // The buffers have the lengths of the plans: neither transform fails.
         let _ = self.forward.process_with_scratch(&mut self.frames, &mut self.spectrum, &mut self.scratch);
         for (bin, value) in self.spectrum.iter_mut().enumerate() {
             if !self.bins.contains(&bin) {

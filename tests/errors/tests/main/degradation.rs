@@ -92,7 +92,7 @@ fn desaturation() {
     let reports = [0.2, 0.5, 1.0].map(|share| judged(&reference, &desaturated(&reference, share)));
     let colour = [Metric::Squared, Metric::Flip, Metric::RedGreen, Metric::YellowViolet];
     assert_rising("desaturation", &reports, &colour);
-    // Luminance stays, up to the rounding to codes: far below what is seen, and nothing flickers.
+    // Luminance stays, up to the rounding to codes: far below the visible threshold, and nothing flickers.
     for report in &reports {
         assert!(means(report, Metric::Sustained).iter().all(|&jnd| jnd < 0.3), "{report}");
         assert!(means(report, Metric::Flicker).iter().all(|&contrast| contrast < 1e-6), "{report}");
@@ -124,7 +124,7 @@ fn delay() {
 /// the metric's support.
 #[test]
 fn only_the_ring_concerned() {
-    // Flicker needs 23 frames; what is seen in each frame does not.
+    // Flicker needs 23 frames; metrics of each frame do not.
     let (short, long) = (clip(4, 1), clip(23, 1));
     let blur = [1, 3].map(|radius| blurred(&short, radius));
     let over_time = [Metric::Transient, Metric::Flicker];

@@ -33,7 +33,7 @@ fn a_report_has_a_row_for_each_metric_and_ring_and_prints_its_conditions() {
     for (at, row) in report.rows.iter().enumerate() {
         assert_eq!((row.metric, row.ring), (Metric::ALL[at / RINGS], RING_NAMES[at % RINGS]));
         assert_eq!(serde_json::to_value(row).unwrap()["metric"], row.metric.name());
-        // One frame tells nothing of time.
+        // One frame has no information over time.
         assert_eq!(row.mean.is_none(), at / RINGS >= Metric::Flicker as usize, "{row:?}");
     }
     let text = report.to_string();

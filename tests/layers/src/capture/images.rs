@@ -15,7 +15,7 @@ pub struct Images {
     queue: vk::Queue,
 }
 
-// Failures end the process, as those of a report: a test that finds no picture would not know why.
+// Failures end the process, as failures of a report do: otherwise a test would find no picture, and no reason.
 #[allow(clippy::unwrap_used, reason = "a layer of tests")]
 impl Images {
     /// Of a session's graphics binding.

@@ -110,7 +110,7 @@ unsafe fn chained_features<'a>(
 ) -> Option<&'a mut vk::PhysicalDeviceFeatures> {
     let mut at = info.p_next.cast_mut().cast::<vk::BaseOutStructure<'_>>();
     while !at.is_null() {
-        // SAFETY: the caller vouches for the chain; the type says which structure it is.
+        // SAFETY: the caller vouches for the chain; the type identifies the structure.
         unsafe {
             if (*at).s_type == vk::StructureType::PHYSICAL_DEVICE_FEATURES_2 {
                 return Some(&mut (*at.cast::<vk::PhysicalDeviceFeatures2<'_>>()).features);

@@ -176,7 +176,7 @@ unsafe extern "system" fn begin<L: Counting>(
         let inheritance =
             (*info).p_inheritance_info.as_ref().filter(|_| secondary && counter.inherited_queries);
         let result = match inheritance {
-            // It runs while the primary buffer's query is active, and must say so.
+            // It runs while the primary buffer's query is active, and must declare this.
             Some(inheritance) => {
                 let mut inheritance = *inheritance;
                 match counter.kind {

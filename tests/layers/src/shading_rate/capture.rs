@@ -35,7 +35,7 @@ impl Captures {
             return Some(self.free.swap_remove(index));
         }
         let _no_ones = crate::faults::StandIn::new();
-        // SAFETY: the caller vouches for the device; what fails half-way is not used any more.
+        // SAFETY: the caller vouches for the device; after a failure half-way, the objects are not used any more.
         unsafe {
             let info = vk::BufferCreateInfo::default().size(size).usage(vk::BufferUsageFlags::TRANSFER_DST);
             let buffer = device.create_buffer(&info, None).ok()?;

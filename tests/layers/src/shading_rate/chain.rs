@@ -11,7 +11,7 @@ use std::ffi::c_void;
 pub(super) unsafe fn find<'a, T: vk::TaggedStructure>(at: *const c_void) -> Option<&'a T> {
     let mut at: *const vk::BaseInStructure<'_> = at.cast();
     while !at.is_null() {
-        // SAFETY: the caller vouches for the chain; the type says which structure it is.
+        // SAFETY: the caller vouches for the chain; the type identifies the structure.
         unsafe {
             if (*at).s_type == T::STRUCTURE_TYPE {
                 return Some(&*at.cast());

@@ -30,7 +30,7 @@ pub(super) unsafe fn create(
     mut info: vk::DeviceCreateInfo<'_>,
     create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
 ) -> Result<Emulator, vk::Result> {
-    // SAFETY: the caller vouches for `info` and its chain, which live until what is left out is put back.
+    // SAFETY: the caller vouches for `info` and its chain, which live until the removed structures are put back.
     unsafe {
         let mut findings = Findings::default();
         let enabled = check(instance, physical_device, &info, &mut findings);

@@ -29,8 +29,8 @@ pub(super) unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     framebuffer: *mut vk::Framebuffer,
 ) -> vk::Result {
-    // SAFETY: the application's valid arguments, with other usages; the copies live until what is left out is put
-    // back.
+    // SAFETY: the application's valid arguments, with other usages; the copies live until the removed
+    // structures are put back.
     unsafe {
         let emulator = emulator(device);
         let imageless = (*info).flags.contains(vk::FramebufferCreateFlags::IMAGELESS);

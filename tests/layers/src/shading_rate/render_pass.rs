@@ -96,7 +96,7 @@ pub(super) unsafe extern "system" fn create2(
     render_pass: *mut vk::RenderPass,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments, without the extension's structures; the copies, of which the
-    // barriers are not moved any more once they are chained, live until what is left out is put back.
+    // barriers are not moved any more once they are chained, live until the removed structures are put back.
     unsafe {
         let emulator = emulator(device);
         let Some(next) = emulator.functions.create_render_pass2 else { return vk::Result::ERROR_UNKNOWN };

@@ -158,7 +158,7 @@ pub(super) fn replay(
 /// A barrier on everything, such as a wait for a semaphore is too.
 pub(super) fn global_barrier(images: &mut HashMap<vk::Image, Image>, masks: Masks) {
     for image in images.values_mut() {
-        // What no shader can store to, shaders do not write behind such a barrier; transfers are seen themselves.
+        // Behind such a barrier, shaders do not write images without storage usage; transfers are observed themselves.
         let is_stored = image.usage.contains(vk::ImageUsageFlags::STORAGE);
         let dst = if is_stored { masks.dst } else { (masks.dst.0, masks.dst.1 & !ALL_WRITES) };
         let masks = Masks { dst, ..masks };

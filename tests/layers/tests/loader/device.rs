@@ -145,7 +145,7 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: the programs wait, and destroy what they made, before.
+        // SAFETY: the programs wait, and destroy the objects that they made, before.
         unsafe {
             self.device.destroy_command_pool(self.pool, None);
             self.device.destroy_device(None);

@@ -112,7 +112,7 @@ fn named_layers_are_below_and_a_layer_of_the_configuration_folder_is_above() {
 #[test]
 fn a_loader_that_closes_the_library_does_not_unload_it() {
     let path = library("libparafovea.so");
-    // SAFETY: what the library does when it is loaded needs nothing.
+    // SAFETY: the initialisation of the library has no preconditions.
     drop(unsafe { libloading::Library::new(&path) }.unwrap());
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
     assert!(maps.contains("libparafovea.so"));

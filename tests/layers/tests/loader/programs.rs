@@ -132,7 +132,7 @@ fn ask_for_link() {
 fn record(device: &Device) -> Option<DeviceRecord> {
     let handle = device.device.handle();
     let mut record = MaybeUninit::uninit();
-    // SAFETY: the device is live; the name gives the type; a result of 1 says that the record is written.
+    // SAFETY: the device is live; the name gives the type; a result of 1 means that the record is written.
     unsafe {
         let get = device.instance.get_device_proc_addr(handle, GET_LINK_NAME.as_ptr())?;
         let table = &*std::mem::transmute::<unsafe extern "system" fn(), GetLink>(get)();

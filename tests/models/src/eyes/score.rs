@@ -233,7 +233,7 @@ fn follow_path(
         let state = follower.state(shown);
         let middle = state.directions[0].as_dvec3();
         let distance_m = match method {
-            // Of what was there when the newest sample was taken.
+            // Distance of the target when the newest sample was taken.
             Method::TrackerWithDepth => Some((1.0 / path.at(shown - LATENCY_S).1) as f32),
             _ => None,
         };

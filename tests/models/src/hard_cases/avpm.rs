@@ -27,7 +27,7 @@ fn rates() -> Vec<Case> {
         let got = format!("{}x{}", rate.width(), rate.height());
         let lost = f64::from(loss(bands, rate));
         let exact = reference::loss(&bands.map(f64::from), rate.fraction().into());
-        // What has no number has no error either.
+        // A result that is not a number has no error either.
         let error = Some((lost - exact).abs()).filter(|error| error.is_finite());
         case("frco", name, expected, got, error)
     };

@@ -89,7 +89,7 @@ fn default_mode() -> Vec<Case> {
     };
     let wild = {
         let gains = [0.0, 0.5, 3.2, f32::NAN, f32::INFINITY].map(|angle| Curves::new(&wrong).gains(angle));
-        // 1e-12: at the very end Eq. 1 is 0, and Eq. 2 the square of what a cosine leaves.
+        // 1e-12: at the very end Eq. 1 is 0, and Eq. 2 the square of the rounding error of a cosine.
         let in_order = |gains: &Gains| gains.cr >= 0.0 && gains.cr <= gains.cb + 1e-12 && gains.cb <= 1.0;
         let passed = gains.iter().all(in_order);
         case(

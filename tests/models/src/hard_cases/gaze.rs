@@ -78,7 +78,7 @@ fn times() -> Vec<Case> {
         ),
     ];
     for (name, start) in [("0", 0), ("30 days", MONTH)] {
-        // 0.005 rad in 10 ms, 28.6 degrees a second; it is told from noise by nine samples.
+        // 0.005 rad in 10 ms, 28.6 degrees a second; nine samples distinguish it from noise.
         let mut tracker = GazeTracker::new(GazeSettings::default());
         let ends: [_; 9] = std::array::from_fn(|index| yaw(0.965 + 0.005 * index as f32));
         for (i, direction) in ends.into_iter().enumerate() {

@@ -55,7 +55,7 @@ fn angles() -> Vec<Case> {
 fn gazes() -> Vec<Case> {
     let plane = STRAIGHT.tangents().plane(EXTENT);
     let tile = PixelRect { min: Vec2::splat(1072.0), max: Vec2::splat(1088.0) };
-    // By points of the tile, among them its middle and those of its edges.
+    // By points of the tile, including its middle and points on its edges.
     let range = |gaze: Vec3| {
         let at = |index: u32| 1072.0 + index as f32 * 0.25;
         let points = (0..=64).flat_map(|y| (0..=64).map(move |x| Vec2::new(at(x), at(y))));

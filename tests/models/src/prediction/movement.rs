@@ -98,7 +98,7 @@ impl Movements {
 
     fn jump(&mut self, random: &mut Random, pace: f64, from: DVec3, target: DVec3) -> DVec3 {
         let whole = from.angle_between(target).to_degrees();
-        // A quarter of those that go far fall short, which a second one corrects (Becker and Fuchs 1969: 10 %).
+        // A quarter of the large saccades fall short, and a second one corrects them (Becker and Fuchs 1969: 10 %).
         let amplitude = if whole > 4.0 && random.chance(0.25) { 0.9 * whole } else { whole };
         let pace = pace * random.within(0.92, 1.08);
         let wave = if random.chance(0.5) { soft_ramps(amplitude, pace) } else { gamma(amplitude, pace) };
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn saccades_are_as_fast_as_the_main_sequence_says() {
-        // Bahill, Clark and Stark (1975), figure 2: where saccades of so many degrees peak, degrees a second.
+        // Bahill, Clark and Stark (1975), figure 2: peak speeds of saccades of these amplitudes, degrees a second.
         for (amplitude, peaks) in
             [(2.0, 90.0..220.0), (5.0, 180.0..380.0), (10.0, 280.0..550.0), (20.0, 380.0..650.0)]
         {

@@ -146,7 +146,7 @@ fn case_14_greatest_momentary_live() {
         let level = -38.0 + f64::from(segment);
         samples.extend(stereo(&[(delay_s, SILENCE), (0.4, level), (0.4 - delay_s, SILENCE)]));
     }
-    // A segment of 0.8 s has 40 readings; those of its tone's end belong to it.
+    // A segment of 0.8 s has 40 readings; the readings of its tone's end belong to it.
     for (segment, readings) in dense_momentary(&samples).chunks_exact(40).enumerate() {
         assert_lufs(greatest(readings), -38.0 + segment as f64);
     }

@@ -217,7 +217,7 @@ fn attached(
     (subject, scenario, effort): (&Subject, &Scenario, Effort),
     reference: &Outcome,
 ) -> Result<Vec<[EyeRates; 2]>, HarnessError> {
-    // Nobody looks at its pictures.
+    // The pictures of this run are not used.
     let mut scenario = scenario.clone();
     scenario.output.save_frames.clear();
     let outcome = show(subject, technique, effort, &scenario, |run| {

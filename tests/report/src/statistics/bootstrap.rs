@@ -47,7 +47,7 @@ impl Bootstrap {
             return None;
         }
         let mut random = Rng::with_seed(self.seed);
-        // What does not fill a clip is none.
+        // Frames beyond the last whole clip are not drawn; if there are fewer than a clip has, they are one clip.
         let clip = if (1..frames).contains(&self.clip) { self.clip } else { frames };
         let clips = frames / clip;
         let block = self.block.clamp(1, clip);

@@ -15,7 +15,7 @@ fn the_quick_one_is_two_scenes_and_six_techniques_of_thirty_frames() {
     // Beside the application alone; chroma is not timed.
     assert_eq!(plan.timed_points().count(), 1 + 6);
     assert_eq!(plan.points.len(), 1 + 6 + 1);
-    // Three of those whose maps are judged are the layer's.
+    // Three of the techniques whose maps are judged are the layer's.
     assert_eq!(plan.runs(), 2 * (8 + 3 + 7 * 2));
     // The application alone, two render scales and these three, by each further gaze script.
     assert_eq!(Plan { scripts: 3, ..plan.clone() }.runs() - plan.runs(), 2 * 2 * 6);

@@ -62,7 +62,7 @@ fn the_interval_holds_the_difference() {
 fn scenes_are_counted_and_what_is_not_won_is_explained() {
     let mut results = results();
     for point in results.scenes.iter_mut().flat_map(|scene| &mut scene.points) {
-        // What costs and loses otherwise in each scene is what a user selects.
+        // The technique whose cost and loss differ by scene becomes the one that a user selects.
         point.sweep = match point.sweep {
             Sweep::Everything => Sweep::Rates,
             Sweep::Rates => Sweep::Everything,

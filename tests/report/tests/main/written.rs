@@ -45,7 +45,7 @@ fn the_page_is_well_formed_and_needs_nothing_else() {
         html.contains("a device &amp; its &lt;driver&gt;")
             && html.contains("digital silence &amp; &lt;less&gt;")
     );
-    // What it shows is in it: no address but that of SVG's own names, and data.
+    // The page contains everything that it shows: it has no addresses but those of SVG's own names, and data.
     let outside = html.replace("http://www.w3.org/2000/svg", "").replace("http://www.w3.org/1999/xlink", "");
     for word in ["http:", "https:", "url(", "@import", "<script", "<link"] {
         assert!(!outside.contains(word), "the page has {word}");
@@ -64,7 +64,7 @@ fn the_look_of_hardware_rates_has_a_table_and_verdicts() {
     let html = written_page(&results);
     assert_eq!(unbalanced(&html), Ok(vec![]));
     let table = html.split(words).nth(1).unwrap();
-    // Cost, and what is lost in the mean of two scenes.
+    // Cost and mean loss of two scenes.
     assert!(table.contains("<td>preset balanced</td><td>0.550</td>"), "{table}");
     assert!(html.contains("out of 2, with a lower loss than the alternative at equal share"), "{html}");
 }

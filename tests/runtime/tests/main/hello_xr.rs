@@ -41,7 +41,7 @@ fn run(graphics: &str) -> Result<Completion, Failed> {
         let colours: BTreeSet<_> = pixels.chunks_exact(4).collect();
         assert!(colours.len() >= 5, "{name} shows a background and cubes, not {} colours", colours.len());
     }
-    // The head rests, so that the eyes see what was submitted.
+    // The head rests, so that the eyes see the submitted images.
     assert!(output.picture("eye0_199.png").2 == output.picture("submitted_0_0_199.png").2);
     Ok(Completion::Completed)
 }

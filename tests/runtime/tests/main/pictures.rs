@@ -190,7 +190,7 @@ fn turned_views_seen(output: &Output) {
     let middle = ((SIZE / 2 * SIZE + SIZE / 2) * 4) as usize;
     let left_edge = (SIZE / 2 * SIZE * 4) as usize;
     let seen = |name: &str, at: usize| output.picture(name).2[at..at + 4].to_vec();
-    // Submitted looking left: straight ahead was right of the middle. At the right edge nothing was rendered.
+    // Submitted for a view to the left, in which the forward direction was right of the middle. At the right edge nothing was rendered.
     assert_eq!(seen("eye0_0.png", middle), [0, 0, 255, 255]);
     assert_eq!(seen("eye0_0.png", left_edge + SIZE as usize * 4 - 4), [0, 0, 0, 255]);
     assert_eq!(seen("eye0_1.png", middle), [255, 0, 0, 255]);
@@ -216,7 +216,7 @@ fn quads() {
         (xr::CompositionLayerFlags::EMPTY, xr::CompositionLayerFlags::BLEND_TEXTURE_SOURCE_ALPHA);
     let straight = alpha | xr::CompositionLayerFlags::UNPREMULTIPLIED_ALPHA;
     let (both, left) = (xr::EyeVisibility::BOTH, xr::EyeVisibility::LEFT);
-    // In the middle, opaque for all its alpha; to the left, half of it, twice told; to the right, one eye's.
+    // In the middle: opaque despite an alpha of 0. To the left: half opaque, once premultiplied and once not. To the right: for one eye.
     let middle = quad(&filled([255, 0, 0, 0]), none, both, 0.0);
     let half = quad(&filled([188, 0, 0, 128]), alpha, both, -1.0);
     let same = quad(&filled([255, 0, 0, 128]), straight, both, -1.0);

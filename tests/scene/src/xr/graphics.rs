@@ -35,7 +35,7 @@ impl Graphics {
         }
         .context("the runtime names no GPU for the headset")?;
         let physical = vk::PhysicalDevice::from_raw(physical as u64);
-        // SAFETY: made from this entry with this version, these extensions and flags; nobody else destroys it.
+        // SAFETY: made from this entry with this version, these extensions and flags; no other code destroys it.
         let hal_instance = unsafe {
             hal::vulkan::Instance::from_raw(
                 entry.clone(),

@@ -187,7 +187,7 @@ fn wrap(
     // SAFETY: the guard is dropped before the device.
     let hal_device = unsafe { device.as_hal::<Vulkan>() }.context("the device is not a Vulkan device")?;
     // SAFETY: OpenXR made the image like this and owns it and its memory: the callback that does nothing and
-    // `External` say so. Its swapchain outlives the views.
+    // `External` specify this. Its swapchain outlives the views.
     let hal_texture = unsafe {
         hal_device.texture_from_raw(
             image,

@@ -85,7 +85,7 @@ fn texels(level: usize) -> f64 {
 
 fn analyze(tile: f64) -> Vec<Dispatch> {
     // A thread makes two by two blocks of two by two texels: of the first level, with the luminance of 8 x 8 pixels below it, from 11 x 11
-    // pixels. What its neighbours read too, they read at the same time, one beside the other: that comes from caches.
+    // pixels. Neighbouring threads read the shared pixels at the same time, side by side: these come from caches.
     let bytes = PIXELS * PIXEL_BYTES + (texels(0) + texels(1)) * TEXEL_BYTES;
     let mut all = vec![run("luminance_unit", texels(1) / 16.0, bytes, 1.0)];
     for (finer, entry) in (1..).zip(LEVELS) {

@@ -53,7 +53,7 @@ fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Result<De
         properties = properties.push_next(&mut rates);
         features = features.push_next(&mut rate_features);
     }
-    // SAFETY: as above; the chains hold structures of what the device has.
+    // SAFETY: as above; the chains hold structures of extensions and versions that the device has.
     let families = unsafe {
         instance.get_physical_device_properties2(physical, &mut properties);
         instance.get_physical_device_features2(physical, &mut features);

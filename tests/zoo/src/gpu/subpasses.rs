@@ -101,7 +101,7 @@ impl Gpu {
             dst_access_mask: vk::AccessFlags::INPUT_ATTACHMENT_READ,
             dependency_flags: vk::DependencyFlags::BY_REGION,
         };
-        // What the second subpass draws to changes its layout after what came before the pass, too.
+        // The target of the second subpass also changes its layout after the commands before the pass.
         let before_second = vk::SubpassDependency { dst_subpass: 1, ..before };
         let dependencies = [before, before_second, between, after].map(|one| {
             // With multiview each view of a subpass depends on the same view of the other.

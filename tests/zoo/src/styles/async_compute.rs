@@ -38,7 +38,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
         let draw = Draw { value: frame.uniforms.phase(), count: frame.slot as u32, ..Draw::default() };
         let commands = buffers[frame.slot];
         gpu.record(commands, vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT, |commands| {
-            // SAFETY: the command buffer is being recorded; what is bound is live.
+            // SAFETY: the command buffer is being recorded; all bound objects are live.
             unsafe {
                 gpu.cmd_bind_pipeline(commands, point, lights);
                 gpu.cmd_bind_descriptor_sets(commands, point, scene.layout, 0, &[set], &[0]);

@@ -39,7 +39,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
         let binding = vk::DescriptorBufferBindingInfoEXT::default()
             .address(gpu.address(&descriptors))
             .usage(vk::BufferUsageFlags::RESOURCE_DESCRIPTOR_BUFFER_EXT);
-        // Once for both eyes: what a layer binds in between must leave them.
+        // Once for both eyes: a layer that binds its own in between must restore these.
         let offset = [stride * frame.slot as u64];
         // SAFETY: the command buffer is being recorded; the buffer holds a set of this layout for each slot.
         unsafe {

@@ -34,7 +34,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let (gpu, layout) = (app.gpu, app.scene.layout);
     let faces = gpu.image(&ImageSpec::new(FACES, app.size))?;
     let depth = gpu.image(&ImageSpec::depth(app.size))?;
-    // The zeros of 0.0 are those of an integer.
+    // 0.0 has the bits of the integer 0.
     let target = PassSpec::new(faces.cleared([0.0; 4]).sampled(), depth.depth_cleared(1.0));
     let target = gpu.pass(Kind::RenderPass, target)?;
     let eyes = app.eye_passes(Kind::RenderPass, |color| PassSpec::color(color.overwritten()))?;

@@ -115,7 +115,7 @@ impl World<'_> {
             let after = if place + 1 < PLACES || is_abandoned { After::Others } else { After::Exit };
             let mut show = Show::new(style, &options, &session, course, gpu)?;
             show.run(instance, after).with_context(|| format!("{} at {}", style.name, options.size))?;
-            // The swapchains last as long as what was made of their images.
+            // The swapchains live as long as the objects that were made of their images.
             gpu.destroy_made()?;
             course = show.course;
         }

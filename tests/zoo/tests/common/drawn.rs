@@ -31,7 +31,7 @@ pub fn compare(style: &Style, eye: usize, on: &Picture, off: &[Picture]) {
     }
     let of_one_size = off.iter().all(|off| (off.width, off.height) == (on.width, on.height));
     if !style.direct || !of_one_size {
-        // Exposure carries what was coarse on: there only how light it is counts.
+        // Auto-exposure spreads the effect of coarse shading over the image: only the mean brightness counts there.
         let is_alike = of_one_size && style.global.is_none();
         let by = if is_alike { difference(on, &off[0]) } else { (mean(on) - mean(&off[0])).abs() };
         println!("eye {eye}: {by:.2} code values off");

@@ -238,7 +238,7 @@ mod tests {
     fn a_server_that_makes_no_sense_is_left() {
         assert!(matches!(fault(vec![], true), Fault::Gone(_)));
         assert!(matches!(fault(vec![], false), Fault::Silent));
-        // Longer than anything a server has to say.
+        // Longer than any message of a server.
         assert!(matches!(fault(message(u32::MAX, &[]), false), Fault::NotUnderstood(_)));
         // Commands that there are not; samples of a stream that there is not; a message that never ends.
         assert!(matches!(fault(message(10, b"L\0\0\xff\xffL\0\0\0\x01"), false), Fault::Silent));

@@ -89,7 +89,7 @@ impl Output {
                 // Never to a microphone.
                 no_move: true,
                 adjust_latency: true,
-                // Nobody's settings for recordings make it quieter.
+                // The user's settings for recordings must not make it quieter.
                 start_muted: Some(false),
                 ..StreamFlags::default()
             },

@@ -91,7 +91,7 @@ fn what_must_shade_every_pixel_keeps_its_rate() {
         let outcome = outcome(&info, effects);
         assert!(outcome.flagged && outcome.state.is_none(), "{effects:?}");
     }
-    // What no fragment shader does cannot matter.
+    // Without a fragment shader, its effects do not matter.
     let depth_only = vk::GraphicsPipelineCreateInfo::default();
     assert_eq!(outcome(&depth_only, Effects::UNKNOWN).state, OBEYS);
 }

@@ -21,7 +21,7 @@ impl<'a> Parsed<'a> {
         let mut instructions = Vec::with_capacity(words.len() / 4);
         for found in spirv::instructions(words)? {
             let found = found?;
-            // What is looked into has its operands.
+            // Instructions whose operands are read must have them.
             let least = match found.op {
                 op::ENTRY_POINT | op::MEMBER_DECORATE => 3,
                 op::DECORATE | op::EXECUTION_MODE | op::EXECUTION_MODE_ID => 2,

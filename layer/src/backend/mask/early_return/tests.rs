@@ -55,7 +55,7 @@ fn the_entry_point_is_ours_and_the_only_one() {
         assert!(ours.function >= Parsed::of(&before).unwrap().bound && parsed.bound > ours.function);
         let calls = parsed.instructions.iter().filter(|found| found.op == op::FUNCTION_CALL);
         assert_eq!(calls.filter(|found| found.operands[2] == was.function).count(), 1);
-        // Its modes are those of the shader.
+        // Its execution modes are the shader's.
         let modes: Vec<_> =
             parsed.instructions.iter().filter(|found| found.op == op::EXECUTION_MODE).collect();
         assert!(!modes.is_empty() && modes.iter().all(|found| found.operands[0] == ours.function));

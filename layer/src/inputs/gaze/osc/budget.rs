@@ -48,7 +48,7 @@ mod tests {
         while now_ns < 1_000_000_000 {
             read += 1;
             let wait = budget.spend(is_decoded, now_ns).unwrap_or_default().as_nanos() as i64;
-            // What came meanwhile is dropped.
+            // Packets that arrived meanwhile are dropped.
             now_ns += wait.max(1_000_000_000 / per_second);
         }
         read

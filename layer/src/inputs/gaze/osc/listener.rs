@@ -133,7 +133,7 @@ fn receive(shared: &Shared, begun: Instant) {
         *shared.look.lock().unwrap_or_else(PoisonError::into_inner) = gaze.look();
         if let Some(wait) = wait {
             sleep(wait);
-            // What came meanwhile is old, and there is too much of it.
+            // Packets that arrived meanwhile are old, and too many.
             drop_waiting(&shared.socket, &mut bytes);
         }
     }

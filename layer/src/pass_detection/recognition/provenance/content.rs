@@ -44,7 +44,7 @@ impl Provenance {
                             self.doubts += is_doubtful;
                             let (found, has_unknown) = self.origins(index, pass, events, known, depth + 1);
                             self.doubts -= is_doubtful;
-                            // Without any of its own, it draws over what is there.
+                            // A pass without sources of its own draws over the existing picture.
                             let is_over = self.is_over(index, image, &found, events);
                             if !found.is_empty() || has_unknown {
                                 sources.extend(

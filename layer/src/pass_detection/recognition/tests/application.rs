@@ -166,7 +166,7 @@ impl Application {
         for (frame, outcome) in settled {
             assert_eq!(outcome, expected, "{name}, frame {frame}");
         }
-        // Before it, nothing, or what is finer because it holds more.
+        // Before that frame, no match, or a finer one because it has more parts.
         let Ok(expected) = expected else { return };
         for (frame, outcome) in outcomes {
             let is_finer = |found: &Match| expected.parts.iter().all(|part| found.parts.contains(part));

@@ -28,7 +28,7 @@ pub fn any_images() -> impl Strategy<Value = Vec<ImageDescription>> {
 }
 
 fn any_target() -> impl Strategy<Value = Target> {
-    // One image is known to nobody.
+    // One image is never described.
     (
         0..13u64,
         prop_oneof![6 => Just(0u32), 1 => 1..3u32],

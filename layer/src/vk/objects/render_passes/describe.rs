@@ -38,7 +38,7 @@ impl RenderPass {
         let subpasses = subpasses.iter().enumerate().map(|(index, found)| {
             let colors = [found.p_color_attachments, found.p_resolve_attachments];
             let inputs = (found.p_input_attachments, found.input_attachment_count);
-            // SAFETY: valid usage demands so many references, or null for those of resolves and depth.
+            // SAFETY: valid usage demands so many references, or null for the references of resolves and depth.
             let described = unsafe {
                 described((colors, found.color_attachment_count), found.p_depth_stencil_attachment, inputs)
             };
@@ -70,7 +70,7 @@ impl RenderPass {
         let subpasses = subpasses.iter().map(|found| {
             let colors = [found.p_color_attachments, found.p_resolve_attachments];
             let inputs = (found.p_input_attachments, found.input_attachment_count);
-            // SAFETY: valid usage demands so many references, or null for those of resolves and depth.
+            // SAFETY: valid usage demands so many references, or null for the references of resolves and depth.
             let described = unsafe {
                 described((colors, found.color_attachment_count), found.p_depth_stencil_attachment, inputs)
             };

@@ -47,7 +47,7 @@ pub unsafe fn quick<'a>(handle: vk::CommandBuffer) -> Option<&'a Armed> {
     if QUICK.key.load(Ordering::Acquire) != key.address() {
         return None;
     }
-    // SAFETY: stored before the key, from what lives as long as the device, which does not end while commands are recorded (external
+    // SAFETY: stored before the key, from an object that lives as long as the device, which does not end while commands are recorded (external
     // synchronization of vkDestroyDevice).
     unsafe { QUICK.armed.load(Ordering::Relaxed).as_ref() }
 }

@@ -114,7 +114,7 @@ fn a_part_of_a_word_selected_by_a_constant() {
         (op::SPEC_CONSTANT_OP, &[BOOL, 25, op::I_EQUAL, 23, 20]),
         (op::SPEC_CONSTANT_OP, &[BOOL, RESULT, op::SELECT, 24, 25, UNKNOWN]),
     ];
-    // Bit 1 says that bit 0 holds: with 2 it holds, and is off.
+    // Bit 1 means that bit 0 is valid: with 2 it is valid, and off.
     assert_eq!(cases(&tested(&global, RESULT)), [true, true, true, false]);
 }
 

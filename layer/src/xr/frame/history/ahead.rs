@@ -71,7 +71,7 @@ impl SortedTiles {
         let Expected { how, watched, view: planner::View { orientation, position, fov }, stale } = expected;
         let earlier = &pictures[..pictures.len().saturating_sub(lost)];
         (eye.how, eye.watched, eye.len) = (Some(how), watched, 1 + earlier.len());
-        // What was the newest comes second now, with all others after it: those that are there already need no copy.
+        // The picture that was the newest is second now, and all others follow it. Pictures that are already in place need no copy.
         eye.pictures.resize_with(eye.pictures.len().max(eye.len), Input::default);
         eye.pictures.rotate_right(1);
         for (input, kept) in eye.pictures[1..eye.len].iter_mut().zip(earlier) {

@@ -253,7 +253,7 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
     }
     note("begin_frame");
     if let Some(SettingsRecord { is_on, backend, passes, passes_len, .. }) = settings {
-        // SAFETY: the record says how long it is.
+        // SAFETY: the record states the length of its array.
         let passes = unsafe { slice(*passes, *passes_len) };
         IS_ON.set(*is_on == 1);
         let passes = String::from_utf8(passes.to_vec()).unwrap();
@@ -313,7 +313,7 @@ unsafe extern "C" fn end_frame(
         report.time_count = count as u32;
     });
     for (eye, record) in (0..).zip(&mut report.stale) {
-        // SAFETY: as above, with as many words as it says.
+        // SAFETY: as above, with as many words as the record states.
         unsafe { write_stale(eye, record) };
     }
     1
@@ -324,7 +324,7 @@ unsafe extern "C" fn end_frame(
 /// As the call.
 unsafe extern "C" fn stale(_: vk::Device, eye: u32, record: *mut StaleRecord) -> u32 {
     note("stale");
-    // SAFETY: the other half passes a record, and as many words as it says.
+    // SAFETY: the other half passes a record, and as many words as the record states.
     unsafe {
         write_stale(eye, &mut *record);
         u32::from((*record).count > 0)

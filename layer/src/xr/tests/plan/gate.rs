@@ -13,7 +13,7 @@ fn rates_are_left_off_for_a_look() {
             Told::Settings { is_on, .. } => Some(is_on),
             _ => None,
         });
-        // Settings are told anew, too, when times are not needed any more.
+        // Settings are passed again, too, when times are not needed any more.
         let mut settings: Vec<u32> = settings.collect();
         settings.dedup();
         settings

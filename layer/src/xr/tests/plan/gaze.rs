@@ -39,7 +39,7 @@ impl PacketTracker {
     fn follow(application: &Application) -> Self {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-        // Whether a gaze is there for applications tells how many packets came, without a frame.
+        // The query for a gaze for applications updates the number of received packets, without a frame.
         let settings = format!("[gaze]\nsource = \"osc\"\noffer = true\nosc_listen = \"{address}\"\n");
         let config = parse(Path::new("test.toml"), &settings).unwrap();
         let session = session::find(application.session).unwrap();
@@ -162,7 +162,7 @@ fn full(application: &Application, views: &[xr::CompositionLayerProjectionView])
         }
     };
     frames(90, 0.0);
-    // Something new, so that the map at the end is told.
+    // A different gaze, so that the map at the end is passed to the Vulkan half.
     frames(20, -20.0);
     frames(90, 0.0);
     let map = plans().pop().unwrap().1;

@@ -15,7 +15,7 @@ fn images_are_told_once_and_their_end_before_it_comes() {
     let mut images: [xr::SwapchainImageVulkanKHR; 3] = unsafe { std::mem::zeroed() };
     images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
     for expected in [true, false] {
-        // SAFETY: valid arguments: as many structures as it is told.
+        // SAFETY: valid arguments: as many structures as the capacity states.
         unsafe { swapchain::enumerate_images(swapchain, 3, &mut count, images.as_mut_ptr().cast()) };
         let told = told();
         assert_eq!(!told.is_empty(), expected, "{told:?}");

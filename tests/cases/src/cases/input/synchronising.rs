@@ -153,7 +153,7 @@ pub fn synchronises_on_another_thread(app: &App) -> Outcome {
         });
         let shown = show(&session, 40, |_| {
             // The first that ends from here on may have begun in the frame before; the second has not. So each frame's input
-            // is seen in it, in every run.
+            // is synchronised in it, in every run.
             let before = count.load(Ordering::Relaxed);
             while count.load(Ordering::Relaxed) < before + 2 && !worker.is_finished() {
                 std::thread::yield_now();

@@ -88,7 +88,7 @@ impl World<'_> {
                 self.trace.push(format!("event {:?}", event.ty));
                 continue;
             }
-            // SAFETY: the type says which structure the buffer begins with; the buffer is larger and as aligned.
+            // SAFETY: the type identifies the structure at the start of the buffer; the buffer is larger and equally aligned.
             let changed = unsafe { *from_ref(&event).cast::<xr::EventDataSessionStateChanged>() };
             self.trace.push(format!("state {:?}", changed.state));
             for session in self.sessions.iter_mut().filter(|session| session.handle == changed.session) {

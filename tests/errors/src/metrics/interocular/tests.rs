@@ -38,7 +38,7 @@ fn other_changes_are_no_shift() {
 
 #[test]
 fn partners_lie_at_the_same_angle_from_the_gaze() {
-    // The right eye looks 10 degrees farther to the left: a point straight ahead of the left eye's gaze is there.
+    // The right eye looks 10 degrees farther to the left: the point at the left eye's gaze has its partner there.
     let left = Vec3::new(0.2, 0.1, -1.0);
     let right = Quat::from_rotation_y(0.17) * left;
     let field = Field::new(&eye(right));

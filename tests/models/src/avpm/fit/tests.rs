@@ -36,7 +36,7 @@ fn a_study_in_which_higher_sounds_are_liked_has_b_held_at_zero() {
     assert_eq!(fit.held_at_zero, [false, true, false, false]);
     assert_eq!(fit.coefficients.b, 0.0);
     assert!((fit.coefficients.a - 0.03).abs() < 1e-5 && (fit.coefficients.c - 0.1).abs() < 1e-5);
-    // The mean of 0.2 gamma_fq goes into d, its spread is what is left.
+    // The mean of 0.2 gamma_fq goes into d, and its spread remains as the error.
     assert!((fit.coefficients.d - 3.32).abs() < 1e-5 && (fit.rmse - 0.117_757).abs() < 1e-5, "{fit:?}");
     assert!(fit.r_squared > 0.5 && fit.r_squared < 1.0);
     // The rest still makes a budget.

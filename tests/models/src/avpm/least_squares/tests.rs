@@ -27,7 +27,7 @@ fn columns_that_depend_on_each_other_have_no_solution() {
     let targets = [1.0, 2.0, 3.0, 4.0];
     assert_eq!(non_negative(&[[1.0, 2.0], [2.0, 4.0], [3.0, 6.0], [4.0, 8.0]], &targets), None);
     assert_eq!(non_negative(&[[1.0, 0.0], [2.0, 0.0]], &targets), None);
-    // Only rounding tells the columns apart.
+    // The columns differ by no more than rounding.
     assert_eq!(non_negative(&[[1.0, 1.0], [1.0, 1.0 + 1e-7], [1.0, 1.0]], &targets), None);
     // Fewer rows than columns, none, no numbers, numbers that overflow.
     assert_eq!(non_negative(&[[1.0, 2.0]], &targets), None);

@@ -37,7 +37,7 @@ fn stops(mode: Mode, limit_ms: usize) -> Case {
 /// A quiet tone after ten hours of noise that is full-scale and inaudible by turns, against a fresh extractor.
 fn ten_hours() -> Case {
     const RATE_HZ: u32 = 8_000;
-    // In samples: what both the hops and the steps of the frames divide.
+    // In samples: a common multiple of the hops and the steps of the frames.
     const TURN: usize = 6400;
     let mut state = 1u32;
     let loud: Vec<f32> = (0..TURN)

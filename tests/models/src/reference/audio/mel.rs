@@ -17,7 +17,7 @@ pub fn mean_mel(rate_hz: u32, length: usize, channels: &[(f64, Vec<f64>)]) -> Op
     let (mut weighted, mut sum) = (0.0, 0.0);
     for (weight, samples) in channels.iter().filter(|(weight, _)| *weight > 0.0) {
         for frame in samples.windows(length).step_by(length / 2) {
-            // From the first sample, so that a constant leaves 0 and not what rounding leaves of it.
+            // Relative to the first sample, so that a constant leaves 0, without an error of rounding.
             let frame: Vec<f64> = frame.iter().map(|x| x - frame[0]).collect();
             let mean = frame.iter().zip(&window).map(|(x, w)| x * w).sum::<f64>() / window_sum;
             let frame: Vec<f64> = frame.iter().zip(&window).map(|(x, w)| (x - mean) * w).collect();

@@ -121,7 +121,7 @@ impl Pipelines {
             .address_mode_u(edge)
             .address_mode_v(edge)
             .address_mode_w(edge);
-        // SAFETY: the structures are complete; `self` destroys what it has.
+        // SAFETY: the structures are complete; `self` destroys the objects that it has.
         unsafe {
             self.sampler = device.create_sampler(&sampler, None).map_err(failed("vkCreateSampler"))?;
             let samplers = [self.sampler];
@@ -195,7 +195,7 @@ impl Pipelines {
             .dynamic_state(&dynamic)
             .layout(self.layout)
             .render_pass(self.pass(purpose));
-        // SAFETY: layout, pass and module are of this device; the layout has what the shader uses.
+        // SAFETY: layout, pass and module are of this device; the layout has all the bindings that the shader uses.
         let made =
             unsafe { self.gpu.device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
         made.map(|pipelines| pipelines[0]).map_err(|(_, error)| error)

@@ -21,7 +21,7 @@ impl Buffer {
         let info = vk::BufferCreateInfo::default().size(size).usage(usage);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         let device = &gpu.device;
-        // SAFETY: the structures are complete; `made` frees what it has when a later step fails.
+        // SAFETY: the structures are complete; `made` frees the objects that it has when a later step fails.
         unsafe {
             let buffer = device.create_buffer(&info, None).map_err(failed("vkCreateBuffer"))?;
             let (memory, bytes) = (vk::DeviceMemory::null(), std::ptr::null_mut());
@@ -124,7 +124,7 @@ impl Target {
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(vk::ImageUsageFlags::COLOR_ATTACHMENT | purpose.usage());
         let device = &gpu.device;
-        // SAFETY: the structures are complete; `made` frees what it has when a later step fails.
+        // SAFETY: the structures are complete; `made` frees the objects that it has when a later step fails.
         unsafe {
             let image = device.create_image(&info, None).map_err(failed("vkCreateImage"))?;
             let (memory, framebuffer) = (vk::DeviceMemory::null(), vk::Framebuffer::null());

@@ -47,7 +47,7 @@ pub fn twigs() -> Texture {
                 [r, g, b, 1.0]
             }
             None if twig => [0.14, 0.09, 0.05, 1.0],
-            // What mips blend in at the edges is leaf, not black.
+            // At the edges, mips blend in the colour of a leaf, not black.
             None => [0.10, 0.22, 0.03, 0.0],
         }
     })

@@ -122,7 +122,7 @@ fn messages_about_something_else_are_no_gaze() {
 
 #[test]
 fn a_message_about_something_else_is_not_decoded() {
-    // Its arguments are cut off, which nobody looks at.
+    // The first message's arguments are truncated, which is not checked.
     for (bytes, is_decoded) in [
         (&b"/jawOpen\0\0\0\0,ff\0"[..], false),
         (b"/LeftEyeX\0\0\0,f\0\0", true),

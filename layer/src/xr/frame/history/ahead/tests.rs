@@ -93,7 +93,7 @@ fn taken(
 fn a_frame_that_is_as_expected_takes_what_was_worked_out() {
     let as_it_is = |number| (number, view(number));
     let taken = taken(20, as_it_is, as_it_is);
-    // The first frame has no picture before it, and when pictures are given up for the first time, nobody expects that.
+    // The first frame has no picture before it, and the first frame that gives pictures up is not predicted.
     let others: Vec<usize> = (0..20).filter(|frame| !taken[*frame]).collect();
     assert!(others.len() <= 3 && others.iter().all(|frame| *frame < 6), "{others:?}");
 }

@@ -31,7 +31,7 @@ pub fn frames(setup: &Setup) -> String {
             _ => setup.rates[index as usize % setup.rates.len()],
         })
         .collect();
-    // SAFETY: plain use of Vulkan, but for what is broken, which is the layer's to find.
+    // SAFETY: plain use of Vulkan, except for the deliberate errors, which the layer has to find.
     unsafe {
         let (source, source_memory) = setup.buffer(&texels);
         let (rates, rates_memory) = setup.image(&rate_image(setup));

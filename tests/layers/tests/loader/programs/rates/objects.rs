@@ -10,7 +10,7 @@ pub const COLOUR: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Creates, and destroys, the object of the test.
 pub fn create(setup: &Setup) {
     let vk = &setup.vk;
-    // SAFETY: what is wrong with the objects is the layer's to find; nothing is drawn.
+    // SAFETY: the layer has to find the errors of the objects; nothing is drawn.
     unsafe {
         let (image, memory) = setup.image(&rate_image(setup));
         let view = rate_view(setup, image);

@@ -209,7 +209,7 @@ impl Setup {
 
 impl Drop for Setup {
     fn drop(&mut self) {
-        // SAFETY: the program waited, and destroyed what it made, before.
+        // SAFETY: the program waited, and destroyed the objects that it made, before.
         unsafe {
             self.vk.destroy_device(None);
             self.instance.destroy_instance(None);
