@@ -99,7 +99,7 @@ impl FeatureExtractor {
         while !samples.is_empty() {
             let missing = self.hop_samples - self.hop.len();
             let (now, later) = samples.split_at(missing.min(samples.len()));
-            self.hop.extend(now.iter().map(|&sample| heard(sample)));
+            self.hop.extend(now.iter().map(|&sample| limited(sample)));
             samples = later;
             if self.hop.len() == self.hop_samples {
                 self.finish_hop();
@@ -159,7 +159,7 @@ impl FeatureExtractor {
 }
 
 /// A sample within the limits: see [`FeatureExtractor::push`].
-fn heard(sample: f32) -> f32 {
+fn limited(sample: f32) -> f32 {
     let magnitude = sample.abs();
     if magnitude >= LEAST_SAMPLE && magnitude.is_finite() {
         sample.clamp(-GREATEST_SAMPLE, GREATEST_SAMPLE)

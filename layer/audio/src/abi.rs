@@ -17,7 +17,7 @@ static TABLE: CaptureTable = CaptureTable {
     size: size_of::<CaptureTable>() as u32,
     start,
     features,
-    news,
+    next_line,
     stop,
 };
 
@@ -75,10 +75,10 @@ unsafe extern "C" fn features(capture: Handle, features: *mut FeaturesRecord) ->
     })
 }
 
-unsafe extern "C" fn news(capture: Handle, text: *mut u8, capacity: u32) -> u32 {
+unsafe extern "C" fn next_line(capture: Handle, text: *mut u8, capacity: u32) -> u32 {
     guarded(0, || {
         // SAFETY: a capture that `start` made and that was not stopped.
-        let Some(mut line) = (unsafe { capture.cast::<Capture>().as_ref() }).and_then(Capture::news) else {
+        let Some(mut line) = (unsafe { capture.cast::<Capture>().as_ref() }).and_then(Capture::next_line) else {
             return 0;
         };
         line.truncate(line.floor_char_boundary(capacity as usize));
@@ -125,7 +125,7 @@ mod tests {
             assert!((table.start)(&record).is_null());
             assert!((table.start)(&SettingsRecord { source: SOURCE_FILE, ..record }).is_null());
             assert_eq!((table.features)(null(), &mut FeaturesRecord::default()), 0);
-            assert_eq!((table.news)(null(), std::ptr::null_mut(), 0), 0);
+            assert_eq!((table.next_line)(null(), std::ptr::null_mut(), 0), 0);
             (table.stop)(null());
         }
     }

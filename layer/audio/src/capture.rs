@@ -51,7 +51,7 @@ impl Capture {
     }
 
     /// The oldest line for the log that was not taken yet.
-    pub fn news(&self) -> Option<String> {
+    pub fn next_line(&self) -> Option<String> {
         self.0.messages.next()
     }
 

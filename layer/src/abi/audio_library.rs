@@ -30,7 +30,7 @@ pub enum NotLoaded {
     NotStarted,
 }
 
-/// The longest line of its news, bytes.
+/// The longest line of its log, bytes.
 const LONGEST_LINE: usize = 1024;
 
 /// A capture in the library that listens; ends when it is dropped.
@@ -69,10 +69,10 @@ impl Capture {
     }
 
     /// The oldest line for the log that was not taken yet.
-    pub fn news(&self) -> Option<String> {
+    pub fn next_line(&self) -> Option<String> {
         let mut text = [0; LONGEST_LINE];
         // SAFETY: a live capture, and a buffer of as many bytes as the passed length.
-        let length = unsafe { (self.table.news)(self.handle, text.as_mut_ptr(), text.len() as u32) };
+        let length = unsafe { (self.table.next_line)(self.handle, text.as_mut_ptr(), text.len() as u32) };
         let line = text.get(..length as usize).filter(|line| !line.is_empty())?;
         Some(String::from_utf8_lossy(line).into_owned())
     }

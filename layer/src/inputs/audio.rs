@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 use std::thread::Builder;
 use std::time::Duration;
 
-/// Interval between looks for news of the library that captures.
+/// Interval between looks for log lines of the library that captures.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Sound input of a session.
@@ -138,14 +138,14 @@ impl Drop for Listening {
     }
 }
 
-/// Loads the library, begins to listen, and passes its news on to the log.
+/// Loads the library, begins to listen, and passes its lines on to the log.
 fn listen(wanted: &Wanted, shared: &Shared) {
     let capture = match Capture::start(&wanted.record(), wanted.file.path()) {
         Ok(capture) => shared.capture.get_or_init(|| capture),
         Err(reason) => return tracing::warn!("sound: not captured: {reason}"),
     };
     while !shared.is_over.load(Ordering::Relaxed) {
-        while let Some(line) = capture.news() {
+        while let Some(line) = capture.next_line() {
             tracing::info!("sound: {line}");
         }
         std::thread::sleep(LOOK_EVERY);

@@ -221,7 +221,7 @@ impl Change {
     }
 
     /// Hands out the findings since the last call: of each picture its view, the tiles, and the change of each. Does not wait.
-    pub(super) fn news(&mut self, mut each: impl FnMut(&View, &[u32], &[f32])) {
+    pub(super) fn take_findings(&mut self, mut each: impl FnMut(&View, &[u32], &[f32])) {
         let Self { room, pending, results, gpu, .. } = self;
         let Some(room) = room else { return };
         for pending in pending.iter_mut().filter(|pending| pending.submit > 0) {

@@ -196,7 +196,7 @@ impl Compose {
     /// not wait.
     pub fn changes(&mut self, each: impl FnMut(&View, &[u32], &[f32])) {
         if let Changing::There(change) = &mut self.change {
-            change.news(each);
+            change.take_findings(each);
         }
     }
 

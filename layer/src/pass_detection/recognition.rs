@@ -124,10 +124,10 @@ impl Recognition {
         self.feedback.newest(self.frame)
     }
 
-    /// News in the listing of passes: a line for each kind of pass with a first or another verdict.
-    pub fn news(&mut self, tell: impl FnMut(Topic, &dyn fmt::Display)) {
+    /// Logs new verdicts of the listing of passes: a line for each kind of pass with a first or another verdict.
+    pub fn log_new_verdicts(&mut self, log: impl FnMut(Topic, &dyn fmt::Display)) {
         if self.frame >= SETTLED {
-            self.listing.news(self.pass_history.last(), tell);
+            self.listing.log_new_verdicts(self.pass_history.last(), log);
         }
     }
 

@@ -122,8 +122,8 @@ impl Benefit {
             }
         }
         let Techniques { rates, reuse } = self.gates.gates();
-        let of_rates = (rates.is_kept() != was_kept.rates).then(|| news("shading rates", rates, &self.own));
-        let of_reuse = || (reuse.is_kept() != was_kept.reuse).then(|| news("re-use", reuse, &self.own));
+        let of_rates = (rates.is_kept() != was_kept.rates).then(|| verdict_line("shading rates", rates, &self.own));
+        let of_reuse = || (reuse.is_kept() != was_kept.reuse).then(|| verdict_line("re-use", reuse, &self.own));
         of_rates.or_else(of_reuse).flatten()
     }
 
@@ -176,7 +176,7 @@ impl fmt::Display for OwnShare {
 }
 
 /// The log line of a gate that changed its verdict.
-fn news(technique: &str, gate: &Gate, own: &OwnShare) -> Option<String> {
+fn verdict_line(technique: &str, gate: &Gate, own: &OwnShare) -> Option<String> {
     let (ratio, [low, high]) = gate.evidence().ratio()?;
     let change = match (gate.is_kept(), gate.evidence().verdict()) {
         (true, _) => "resumed",

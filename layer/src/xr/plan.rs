@@ -263,9 +263,9 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
         phase,
     };
     let costs = active.gpu_costs(report, is_timed && !on_cpu);
-    let news = state.benefit().frame_ended(&frame, &costs);
-    if let Some(news) = news {
-        tracing::info!("{news}");
+    let line = state.benefit().frame_ended(&frame, &costs);
+    if let Some(line) = line {
+        tracing::info!("{line}");
     }
 }
 

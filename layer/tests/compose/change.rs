@@ -41,7 +41,7 @@ pub fn compared(frames: &[Frame]) -> ComparedTiles {
     tiles
 }
 
-fn news(compose: &mut Compose) -> Vec<Found> {
+fn findings(compose: &mut Compose) -> Vec<Found> {
     let mut all = Vec::new();
     compose.changes(|view, tiles, changes| all.push((*view, tiles.to_vec(), changes.to_vec())));
     all
@@ -80,9 +80,9 @@ fn changes_match_the_reference() {
             let changes = [region];
             compose.submit(&[ComposeJob { changes: &changes, ..swapchain.job(0, &[]) }]).unwrap();
             swapchain.shown(&vulkan, 1, 1, 4);
-            let news_found = news(&mut compose);
-            assert!(news(&mut compose).is_empty(), "handed out twice");
-            let [(view, words, found)] = &news_found[..] else { panic!("{} pictures", news_found.len()) };
+            let found = findings(&mut compose);
+            assert!(findings(&mut compose).is_empty(), "handed out twice");
+            let [(view, words, found)] = &found[..] else { panic!("{} pictures", found.len()) };
             assert_eq!((*view, words.len()), (region.view, tiles.count()));
             assert!(!words.is_empty(), "at {speed}");
             count += words.len();
@@ -124,7 +124,7 @@ fn a_still_scene_has_not_changed() {
     let changes = [region(&frames, &tiles)];
     compose.submit(&[ComposeJob { changes: &changes, ..swapchain.job(0, &[]) }]).unwrap();
     swapchain.shown(&vulkan, 1, 1, 4);
-    let found = news(&mut compose);
+    let found = findings(&mut compose);
     assert!(found.len() == 1 && !found[0].2.is_empty());
     assert!(found[0].2.iter().all(|change| *change == 0.0), "{found:?}");
     vulkan.assert_valid();
@@ -164,7 +164,7 @@ fn pictures_that_are_not_there_are_not_compared() {
         let result = compose.submit(&[ComposeJob { changes: &changes, ..swapchain.job(0, &[]) }]);
         assert!(matches!(result, Err(GpuError::Invalid(_))), "{image:?}: {result:?}");
     }
-    assert!(news(&mut compose).is_empty());
+    assert!(findings(&mut compose).is_empty());
     vulkan.assert_valid();
 }
 

@@ -95,7 +95,7 @@ fn a_steady_frame_does_not_allocate() {
             }
         }
         recognition.frame(&log, describe, &shown);
-        recognition.news(|_, _| {});
+        recognition.log_new_verdicts(|_, _| {});
     };
     // Longer than images are remembered that no longer occur.
     (0..300).for_each(&mut frame);

@@ -66,7 +66,7 @@ pub fn capture_cost(time: Duration) -> Result<Cost> {
     let start = Instant::now();
     let first_look = time / 10;
     while capture.heard().is_none_or(|heard| heard.features.silent) {
-        ensure!(start.elapsed() < Duration::from_secs(10), "no sound is captured: {:?}", capture.news());
+        ensure!(start.elapsed() < Duration::from_secs(10), "no sound is captured: {:?}", capture.next_line());
         std::thread::sleep(Duration::from_millis(10));
     }
     let mut cost = Cost {

@@ -37,7 +37,7 @@ pub struct CaptureTable {
     pub features: unsafe extern "C" fn(capture: Handle, features: *mut FeaturesRecord) -> u32,
     /// Takes the oldest line for the log that was not taken yet: writes at most `capacity` bytes of UTF-8 to `text` and returns their
     /// number; 0 if there is none.
-    pub news: unsafe extern "C" fn(capture: Handle, text: *mut u8, capacity: u32) -> u32,
+    pub next_line: unsafe extern "C" fn(capture: Handle, text: *mut u8, capacity: u32) -> u32,
     /// Ends a capture, which is not to be used any more. Does not wait for its threads, which end soon.
     pub stop: unsafe extern "C" fn(capture: Handle),
 }

@@ -45,11 +45,11 @@ impl Rates {
             let effects = |stage: &vk::PipelineShaderStageCreateInfo<'_>| {
                 // SAFETY: valid usage demands valid stages.
                 let effects = unsafe { self.modules.effects(stage) };
-                tell_of_holes(effects.discards && effects != Effects::UNKNOWN);
+                list_discarding_draws(effects.discards && effects != Effects::UNKNOWN);
                 effects
             };
             // SAFETY: valid usage demands a valid structure.
-            tell_of_holes(unsafe { has_alpha_to_coverage(info) });
+            list_discarding_draws(unsafe { has_alpha_to_coverage(info) });
             let linked = |library| self.pipelines.get(library);
             // SAFETY: the structure is valid, and its chain the call's for its duration.
             unsafe { with_rates(info, &self.capabilities, effects, linked, &mut copies) }
@@ -86,7 +86,7 @@ impl Rates {
 }
 
 /// Lists once that an application has draws with holes, which stay at 1x1.
-pub(super) fn tell_of_holes(has_holes: bool) {
+pub(super) fn list_discarding_draws(has_holes: bool) {
     if has_holes {
         let line = "draws with alpha test (discard) or alpha to coverage: shaded at 1x1, as one decision for a coarse fragment \
                     shows as a block";

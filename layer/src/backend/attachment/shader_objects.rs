@@ -6,7 +6,7 @@
 
 use super::attach::Rates;
 use super::commands::SetRate;
-use super::pipelines::{may_be_ours, tell_of_holes};
+use super::pipelines::{may_be_ours, list_discarding_draws};
 use crate::abi::copies::slice;
 use crate::gpu::GpuError;
 use crate::vk::shaders::{Effects, effects_of_object as effects};
@@ -56,7 +56,7 @@ impl Rates {
             if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
                 // SAFETY: valid usage demands valid structures.
                 let effects = unsafe { effects(info) };
-                tell_of_holes(effects.discards && effects != Effects::UNKNOWN);
+                list_discarding_draws(effects.discards && effects != Effects::UNKNOWN);
                 self.shader_objects.insert(shader, self.capabilities.limits.need_every_pixel(effects));
             }
         }

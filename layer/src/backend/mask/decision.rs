@@ -88,7 +88,7 @@ impl Masks {
             Err(Unmasked::DepthLoaded) => Err(target.prepass_refusal().unwrap_or(Unmasked::DepthLoaded)),
             outcome => outcome,
         };
-        target.tell(outcome.as_ref().map(OpenMask::instead).map_err(|reason| *reason));
+        target.log_outcome(outcome.as_ref().map(OpenMask::instead).map_err(|reason| *reason));
         outcome
     }
 

@@ -250,7 +250,7 @@ impl TargetMask {
     }
 
     /// Logs how a pass of the scene was recorded, where that is news.
-    pub(super) fn tell(&self, outcome: Result<Option<Unmasked>, Unmasked>) {
+    pub(super) fn log_outcome(&self, outcome: Result<Option<Unmasked>, Unmasked>) {
         if matches!(outcome, Err(Unmasked::Off | Unmasked::New | Unmasked::Undrawn)) {
             return;
         }

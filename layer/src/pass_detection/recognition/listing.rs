@@ -13,7 +13,7 @@ const MOST_LINES: usize = 100;
 #[derive(Debug, Default)]
 pub(super) struct Listing {
     /// The last listed verdicts on passes of each signature.
-    told: Vec<(PassSignature, SmallVec<[Verdict; 2]>)>,
+    logged: Vec<(PassSignature, SmallVec<[Verdict; 2]>)>,
     lines: usize,
 }
 
@@ -32,28 +32,28 @@ impl Verdict {
 
 impl Listing {
     /// Lists each pass with a verdict that none of its signature has had.
-    pub(super) fn news<'a>(
+    pub(super) fn log_new_verdicts<'a>(
         &mut self,
         passes: impl Iterator<Item = (&'a PassSignature, &'a Result<Match, Unmatched>)>,
-        mut tell: impl FnMut(Topic, &dyn fmt::Display),
+        mut log: impl FnMut(Topic, &dyn fmt::Display),
     ) {
         for (shape, outcome) in passes {
             if self.lines >= MOST_LINES {
                 return;
             }
             let verdict = Verdict::new(outcome);
-            let index = self.told.iter().position(|(told, _)| told == shape).unwrap_or_else(|| {
-                self.told.push((*shape, SmallVec::new()));
-                self.told.len() - 1
+            let index = self.logged.iter().position(|(logged, _)| logged == shape).unwrap_or_else(|| {
+                self.logged.push((*shape, SmallVec::new()));
+                self.logged.len() - 1
             });
-            let verdicts = &mut self.told[index].1;
+            let verdicts = &mut self.logged[index].1;
             if !verdicts.contains(&verdict) {
                 verdicts.push(verdict);
                 self.lines += 1;
                 let topic = if outcome.is_ok() { Topic::Scene } else { Topic::OtherPass };
-                tell(topic, &Line { shape, outcome });
+                log(topic, &Line { shape, outcome });
                 if self.lines == MOST_LINES {
-                    tell(Topic::OtherPass, &"further passes are not listed");
+                    log(Topic::OtherPass, &"further passes are not listed");
                 }
             }
         }

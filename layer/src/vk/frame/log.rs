@@ -151,7 +151,7 @@ impl Log {
     pub fn end_frame(&mut self, objects: &Objects, shown: &Shown) {
         self.notes.end_frame(objects, self.frame, &self.events);
         self.recognition.frame(&self.events, |key| objects.describe(key), shown);
-        self.recognition.news(|topic, line| crate::status::decided(topic, line));
+        self.recognition.log_new_verdicts(|topic, line| crate::status::decided(topic, line));
         self.begin_next(objects);
     }
 

@@ -66,12 +66,12 @@ pub fn calibrate(calibrate: &Calibrate) -> ExitCode {
 
 fn run(kind: GazeMeasurement, options: &Options) -> ExitCode {
     if options.reset {
-        return told(reset(&Environment::of_process(false)));
+        return printed(reset(&Environment::of_process(false)));
     }
-    with_folder(|environment| told(measured(environment, kind, options.application.as_deref())))
+    with_folder(|environment| printed(measured(environment, kind, options.application.as_deref())))
 }
 
-fn told(outcome: Result<String, String>) -> ExitCode {
+fn printed(outcome: Result<String, String>) -> ExitCode {
     match outcome {
         Ok(text) => {
             crate::print(&format!("{text}\n"));

@@ -50,7 +50,7 @@ pub struct OscLook {
     /// Rises with each new direction; 0: there was none yet.
     pub serial: u64,
     /// When the newest direction came.
-    pub heard_ns: i64,
+    pub received_ns: i64,
     /// Format of the addresses of its messages.
     pub format: Option<Format>,
     /// Directions a second, Hz; 0: not known.
@@ -73,7 +73,7 @@ pub struct OscGaze {
 struct Sender {
     address: SocketAddr,
     /// When it said something about the eyes last.
-    heard_ns: i64,
+    received_ns: i64,
     /// The newest time tag.
     sent: Option<u64>,
     format: Option<(Format, i64)>,
@@ -137,7 +137,7 @@ impl OscGaze {
         if packet.messages.is_empty() {
             return;
         }
-        let holds = |sender: &Sender| now_ns.saturating_sub(sender.heard_ns) < HOLD_NS;
+        let holds = |sender: &Sender| now_ns.saturating_sub(sender.received_ns) < HOLD_NS;
         let sender = match &mut self.sender {
             Some(sender) if sender.address == address => sender,
             Some(sender) if holds(sender) => {
@@ -150,12 +150,12 @@ impl OscGaze {
             counts.late += 1;
             return;
         }
-        sender.heard_ns = now_ns;
+        sender.received_ns = now_ns;
         for message in &packet.messages {
             let taken = sender.take(message, self.scale_deg, now_ns);
             if taken != Taken::Aside {
                 self.look.serial += 1;
-                self.look.heard_ns = now_ns;
+                self.look.received_ns = now_ns;
             }
             if taken == Taken::New {
                 self.rate.count(now_ns);
@@ -171,7 +171,7 @@ impl Sender {
     fn new(address: SocketAddr, now_ns: i64) -> Self {
         Self {
             address,
-            heard_ns: now_ns,
+            received_ns: now_ns,
             sent: None,
             format: None,
             eyes: [Eye::default(); 2],
@@ -237,11 +237,11 @@ impl Sender {
     /// Whether messages of this format are used: it is the best that the sender used lately.
     fn holds(&mut self, format: Format, now_ns: i64) -> bool {
         match &mut self.format {
-            Some((held, heard_ns)) if *held == format => {
-                *heard_ns = now_ns;
+            Some((held, received_ns)) if *held == format => {
+                *received_ns = now_ns;
                 true
             }
-            Some((held, heard_ns)) if format < *held && now_ns.saturating_sub(*heard_ns) < HOLD_NS => false,
+            Some((held, received_ns)) if format < *held && now_ns.saturating_sub(*received_ns) < HOLD_NS => false,
             place => {
                 *place = Some((format, now_ns));
                 for eye in &mut self.eyes {

@@ -72,10 +72,10 @@ impl Listener {
     }
 
     /// The state now. `None` in the rare case that the thread is just writing it: waiting for it is never worth a frame.
-    pub fn heard(&self) -> Option<NewestGaze> {
+    pub fn newest(&self) -> Option<NewestGaze> {
         let look = *self.shared.look.try_lock().ok()?;
-        let age_ns = |heard_ns: i64| nanoseconds(self.begun.elapsed()).saturating_sub(heard_ns).max(0);
-        let age = (look.serial > 0).then(|| Duration::from_nanos(age_ns(look.heard_ns) as u64));
+        let age_ns = |received_ns: i64| nanoseconds(self.begun.elapsed()).saturating_sub(received_ns).max(0);
+        let age = (look.serial > 0).then(|| Duration::from_nanos(age_ns(look.received_ns) as u64));
         Some(NewestGaze { look, age })
     }
 }

@@ -23,7 +23,7 @@ pub struct OscSource {
     listener: Option<Listener>,
     /// Why there is no listener, and since when.
     failure: Option<(ErrorKind, Instant)>,
-    heard: Option<NewestGaze>,
+    newest: Option<NewestGaze>,
     times: SampleTimes,
     /// Sample times for the application, which asks for other display times than the plans of frames.
     application_times: SampleTimes,
@@ -99,7 +99,7 @@ impl OscSource {
     /// The gaze for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
     pub fn look(&mut self, time_ns: i64, latency_ns: i64) -> Look {
         match self.newest() {
-            Some(heard) => heard.look(&mut self.times, time_ns, latency_ns),
+            Some(newest) => newest.look(&mut self.times, time_ns, latency_ns),
             None => Look::NoTracker,
         }
     }
@@ -107,7 +107,7 @@ impl OscSource {
     /// The same for the application, at times of its own.
     pub fn application_look(&mut self, time_ns: i64, latency_ns: i64) -> Look {
         match self.newest() {
-            Some(heard) => heard.look(&mut self.application_times, time_ns, latency_ns),
+            Some(newest) => newest.look(&mut self.application_times, time_ns, latency_ns),
             None => Look::NoTracker,
         }
     }
@@ -118,14 +118,14 @@ impl OscSource {
     }
 
     fn newest(&mut self) -> Option<NewestGaze> {
-        self.heard = self.listener.as_ref().and_then(Listener::heard).or(self.heard);
-        self.heard.filter(|_| self.is_open())
+        self.newest = self.listener.as_ref().and_then(Listener::newest).or(self.newest);
+        self.newest.filter(|_| self.is_open())
     }
 
     /// Its status.
     pub fn status(&self) -> OscStatus {
-        let look = self.heard.map(|heard| heard.look).unwrap_or_default();
-        let is_there = self.heard.is_some_and(NewestGaze::is_fresh);
+        let look = self.newest.map(|newest| newest.look).unwrap_or_default();
+        let is_there = self.newest.is_some_and(NewestGaze::is_fresh);
         OscStatus {
             address: self.wanted,
             failure: self.failure.map(|(kind, _)| kind),

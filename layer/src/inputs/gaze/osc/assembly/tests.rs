@@ -171,7 +171,7 @@ fn lids_alone_are_no_direction() {
     assert_eq!((gaze.look().serial, gaze.look().direction), (0, None));
     gaze.take(address(1), yaw(5.0), 10);
     gaze.take(address(1), packet("/LeftEyeLid", &[0.9]), 15);
-    assert_eq!((gaze.look().serial, gaze.look().heard_ns), (1, 10));
+    assert_eq!((gaze.look().serial, gaze.look().received_ns), (1, 10));
 }
 
 fn message() -> impl Strategy<Value = EyeMessage> {

@@ -25,7 +25,7 @@ fn heard(listener: &Listener, mut send: impl FnMut(), is_so: impl Fn(&NewestGaze
     let begin = Instant::now();
     loop {
         send();
-        match listener.heard() {
+        match listener.newest() {
             Some(heard) if is_so(&heard) => return heard,
             other => assert!(begin.elapsed() < LIMIT, "{other:?}"),
         }

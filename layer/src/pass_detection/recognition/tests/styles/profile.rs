@@ -56,7 +56,7 @@ fn every_kind_of_pass_is_listed_once() {
         app.full_screen("mirror", image);
         app.pass("scene", multiview(whole(EYE, &[app.current(&chain)])));
         app.show(&array_shown(app, &chain));
-        app.recognition.news(|_, line| lines.push((app.frame, line.to_string())));
+        app.recognition.log_new_verdicts(|_, line| lines.push((app.frame, line.to_string())));
     });
     let expected = [
         "pass 256x256 D32_SFLOAT: not the scene: no colour: a shadow map or a depth pre-pass",
