@@ -78,7 +78,8 @@ unsafe extern "C" fn features(capture: Handle, features: *mut FeaturesRecord) ->
 unsafe extern "C" fn next_line(capture: Handle, text: *mut u8, capacity: u32) -> u32 {
     guarded(0, || {
         // SAFETY: a capture that `start` made and that was not stopped.
-        let Some(mut line) = (unsafe { capture.cast::<Capture>().as_ref() }).and_then(Capture::next_line) else {
+        let Some(mut line) = (unsafe { capture.cast::<Capture>().as_ref() }).and_then(Capture::next_line)
+        else {
             return 0;
         };
         line.truncate(line.floor_char_boundary(capacity as usize));

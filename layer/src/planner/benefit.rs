@@ -122,8 +122,10 @@ impl Benefit {
             }
         }
         let Techniques { rates, reuse } = self.gates.gates();
-        let of_rates = (rates.is_kept() != was_kept.rates).then(|| verdict_line("shading rates", rates, &self.own));
-        let of_reuse = || (reuse.is_kept() != was_kept.reuse).then(|| verdict_line("re-use", reuse, &self.own));
+        let of_rates =
+            (rates.is_kept() != was_kept.rates).then(|| verdict_line("shading rates", rates, &self.own));
+        let of_reuse =
+            || (reuse.is_kept() != was_kept.reuse).then(|| verdict_line("re-use", reuse, &self.own));
         of_rates.or_else(of_reuse).flatten()
     }
 

@@ -6,7 +6,7 @@
 
 use super::attach::Rates;
 use super::commands::SetRate;
-use super::pipelines::{may_be_ours, list_discarding_draws};
+use super::pipelines::{list_discarding_draws, may_be_ours};
 use crate::abi::copies::slice;
 use crate::gpu::GpuError;
 use crate::vk::shaders::{Effects, effects_of_object as effects};

@@ -241,7 +241,9 @@ impl Sender {
                 *received_ns = now_ns;
                 true
             }
-            Some((held, received_ns)) if format < *held && now_ns.saturating_sub(*received_ns) < HOLD_NS => false,
+            Some((held, received_ns)) if format < *held && now_ns.saturating_sub(*received_ns) < HOLD_NS => {
+                false
+            }
             place => {
                 *place = Some((format, now_ns));
                 for eye in &mut self.eyes {
