@@ -265,7 +265,7 @@ struct Found {
     @location(10) @interpolate(flat) earlier: vec4<f32>,
     // earlier_grid, at least 1, whether it has tiles, and earlier_word.
     @location(11) @interpolate(flat) tiles: vec4<u32>,
-    // Offset from pixels of the target to pixels of the earlier picture where nothing has moved, and earlier_offset.
+    // Offset from pixels of the target to pixels of an unmoved earlier picture, and earlier_offset.
     @location(12) @interpolate(flat) offsets: vec4<i32>,
 }
 
@@ -489,7 +489,7 @@ fn attenuated(found: Found, rgba: vec4<f32>) -> vec4<f32> {
     return vec4(select(rgba.rgb, rgb, angle > seen.range.x), rgba.a);
 }
 
-// Where nothing has moved. Pixels there without attenuation are copied.
+// Tiles of an unmoved earlier picture. Their pixels without attenuation are copied.
 @fragment
 fn still_attenuated(handed: Found) -> @location(0) vec4<f32> {
     let found = found_by_pixel(handed);

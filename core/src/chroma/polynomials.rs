@@ -64,7 +64,7 @@ fn value(factors: &[f32], x: f32) -> f32 {
 }
 
 /// Factors of the polynomial without a constant that meets `loss`, which is 0 at 0, at `COUNT` points of 0..=1: the Chebyshev extrema
-/// there, of which the last is 1. By Newton's divided differences.
+/// there; the last is 1. Uses Newton's divided differences.
 fn through<const COUNT: usize>(loss: impl Fn(f64) -> f64) -> [f32; COUNT] {
     let at: [f64; COUNT] =
         std::array::from_fn(|index| 0.5 - 0.5 * (PI * (index + 1) as f64 / COUNT as f64).cos());

@@ -25,7 +25,7 @@ pub const MOST_PICTURES: usize = 2;
 pub struct DebugViewJob<'a> {
     /// Index of the picture's eye, 0 or 1: each eye has a map of its own, and there is one picture of an eye at most.
     pub eye: usize,
-    /// The runtime's images, one of which is the picture.
+    /// The runtime's images; the picture is one of them.
     pub runtime: &'a RuntimeImages,
     /// Index of that image.
     pub runtime_index: u32,

@@ -87,8 +87,8 @@ impl Decide {
         Ok(DecideTarget { set, params, stale, _memory: memory, tiles: Arc::clone(tiles) })
     }
 
-    /// Records the decision on the tiles of `target`, of which `stale` are left out ([`parafovea_core::reuse::StaleTiles::words`]): none of
-    /// them, or all words. [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be read by compute shaders.
+    /// Records the decision on the tiles of `target` without its `stale` ones ([`parafovea_core::reuse::StaleTiles::words`]: no word, or
+    /// all words). [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be read by compute shaders.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] where `params` or `stale` are of other tiles, or `params` of no kind; then nothing is recorded.

@@ -113,7 +113,7 @@ impl Recognition {
         self.rules = rules;
     }
 
-    /// The scene of which this pass without colour draws only the depth, into the same image, by the evidence of the last frames.
+    /// The scene pass of a depth pre-pass: both draw depth into one image, by the evidence of the last frames. `None` for other passes.
     pub fn depth_of(&self, pass: &Pass) -> Option<&Match> {
         let depth = pass.depth.filter(|_| pass.colors.is_empty())?;
         self.pass_history.scene_with_depth(depth)

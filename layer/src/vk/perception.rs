@@ -32,7 +32,7 @@ pub struct Perception {
     state: Mutex<State>,
 }
 
-/// Greatest age of contrast in plans, of which a frame has two at most: older contrast is not of the application's current pictures.
+/// Greatest age of contrast, in plans; a frame has at most two. Older contrast does not describe the application's current pictures.
 const LONGEST_PLANS: u64 = 60;
 
 /// The kernels, compiled once they are needed.

@@ -23,7 +23,7 @@ static INJECTED: LazyLock<Option<Injected>> = LazyLock::new(|| {
     })
 });
 
-/// Known absence of the variable: one load a hook, for times close to those of release builds.
+/// Known absence of the variable: one load per hook, so that debug builds are about as fast as release builds.
 static UNSET: AtomicBool = AtomicBool::new(false);
 
 /// A hook begins.

@@ -245,7 +245,7 @@ impl Rates {
         Some((amended, Attached::Image(image)))
     }
 
-    /// The error for a framebuffer that no rate image fits, as it is larger than the device's limits. Logs it.
+    /// Logs, and returns, the error for a framebuffer beyond the device's limits for rate images.
     fn too_large(info: &vk::FramebufferCreateInfo<'_>) -> vk::Result {
         tracing::warn!("a framebuffer of {}x{} exceeds the device's limits", info.width, info.height);
         vk::Result::ERROR_OUT_OF_DEVICE_MEMORY

@@ -43,7 +43,7 @@ impl Way {
 ///
 /// A template is used if there can be one, as fragments then never begin. Else fragment shaders return early: where depth is tested or
 /// samples are counted, only shaders that change neither. An early fragment's colour is zero, blended with the loaded colour or not. It
-/// lies in skipped blocks, all of which are filled after the pass, in each stored colour attachment, regardless of earlier passes: a
+/// lies in skipped blocks. Each stored colour attachment is filled in all of them after the pass, regardless of earlier passes: a
 /// skipped block is skipped in all passes to a target, until its mask is written again between two submits. Later subpasses see zeros in
 /// skipped blocks alone, as they read their own pixel.
 ///

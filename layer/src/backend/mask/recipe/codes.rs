@@ -6,8 +6,8 @@ use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Most bytes of code that are kept at a time: games have some hundred MiB of shaders, of which passes need some dozens. Further code is
-/// not kept.
+/// Most bytes of code that are kept at a time: games have some hundred MiB of shaders, and passes need some dozens. Further code is not
+/// kept.
 const MOST_CODE: usize = 64 << 20;
 
 /// Code of a module.

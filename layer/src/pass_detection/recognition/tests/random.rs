@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 const FORMATS: [vk::Format; 4] = [LDR, HDR, vk::Format::R32_UINT, vk::Format::D32_SFLOAT];
 
-/// Images of every kind: the last six belong to two swapchains, of which the second is flat.
+/// Images of every kind: the last six belong to two swapchains; the second one is flat.
 pub fn any_images() -> impl Strategy<Value = Vec<ImageDescription>> {
     let sides = prop::sample::select(vec![0, 1, 100, 200, 240, 400, u32::MAX]);
     let image = (sides.clone(), sides, 0..4usize, 0..7u32, 0..8u32).prop_map(
