@@ -1,7 +1,7 @@
 //! Pictures that are completed from earlier ones, compared with the reference.
 
 use crate::FORMATS;
-use crate::free::block;
+use crate::free::BlockedSubmit;
 use crate::pictures::{FOV, picture, pixel_format, region};
 use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
@@ -199,15 +199,11 @@ fn images_of_earlier_pictures_are_in_use_too() {
     let mut lists = TileLists::default();
     lists.update(&reuse(&frames, true), 4.0, OLDEST);
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
-    let event = block(&vulkan);
+    let blocked = BlockedSubmit::new(&vulkan);
     let region = [reuse_region(&frames, &lists, true, 4.0)];
     compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(0, &[]) }]).unwrap();
     assert_eq!([0, 1, 2, 3, 4].map(|image| swapchain.app.is_free(image)), [false, false, false, false, true]);
-    // SAFETY: the event is live, and no other code uses the queue.
-    unsafe {
-        vulkan.device.set_event(event).unwrap();
-        vulkan.device.device_wait_idle().unwrap();
-    }
+    blocked.release();
     assert!((0..IMAGES).all(|image| swapchain.app.is_free(image)));
     vulkan.assert_valid();
 }

@@ -1,6 +1,6 @@
 //! A Vulkan device as an application would have it, with validation.
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use parafovea::gpu::Gpu;
 use parafovea::link::DeviceRecord;
 use parafovea_trial::{Lack, skip};
@@ -21,6 +21,8 @@ pub struct Vulkan {
     pub gpu: Arc<Gpu>,
     pub pool: vk::CommandPool,
     pub record: DeviceRecord,
+    /// Functions of timeline semaphores, which let a test decide when a submit ends. None if the device has none.
+    pub timeline: Option<khr::timeline_semaphore::Device>,
     /// Whether the validation layers are enabled.
     pub validated: bool,
     messages: &'static Messages,
@@ -90,8 +92,17 @@ impl Vulkan {
             let counts = api_version > vk::API_VERSION_1_0
                 && instance.get_physical_device_features(physical_device).fragment_stores_and_atomics != 0;
             let features = vk::PhysicalDeviceFeatures::default().fragment_stores_and_atomics(counts);
-            let info =
+            let offered = instance.enumerate_device_extension_properties(physical_device).unwrap_or_default();
+            let name = khr::timeline_semaphore::NAME;
+            let has_timeline = offered.iter().any(|offered| offered.extension_name_as_c_str() == Ok(name));
+            let mut timeline =
+                vk::PhysicalDeviceTimelineSemaphoreFeatures::default().timeline_semaphore(true);
+            let names = [name.as_ptr()];
+            let mut info =
                 vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_features(&features);
+            if has_timeline {
+                info = info.enabled_extension_names(&names).push_next(&mut timeline);
+            }
             let device = instance.create_device(physical_device, &info, None).unwrap();
             let record = edit(DeviceRecord {
                 instance: instance.handle(),
@@ -108,6 +119,7 @@ impl Vulkan {
                 queue: device.get_device_queue(0, 0),
                 memory: instance.get_physical_device_memory_properties(physical_device),
                 gpu: Gpu::new(&record, 0, 0).unwrap(),
+                timeline: has_timeline.then(|| khr::timeline_semaphore::Device::new(&instance, &device)),
                 pool: device.create_command_pool(&pool_info, None).unwrap(),
                 device,
                 instance,
@@ -158,7 +170,9 @@ unsafe fn instance(
     if messages.is_some() && !is_installed {
         println!("without validation: VK_LAYER_KHRONOS_validation is not installed");
     }
-    let (names, extensions) = ([VALIDATION.as_ptr()], [ext::debug_utils::NAME.as_ptr()]);
+    // Timeline semaphores of Vulkan 1.0 need the first extension.
+    let extensions = [khr::get_physical_device_properties2::NAME, ext::debug_utils::NAME].map(CStr::as_ptr);
+    let names = [VALIDATION.as_ptr()];
     let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let messenger = vk::DebugUtilsMessengerCreateInfoEXT::default()
@@ -170,6 +184,7 @@ unsafe fn instance(
         .user_data(
             messages.map_or(std::ptr::null_mut(), |messages| std::ptr::from_ref(messages).cast_mut().cast()),
         );
+    info = info.enabled_extension_names(&extensions[..1]);
     if validated {
         info = info.enabled_layer_names(&names).enabled_extension_names(&extensions).push_next(&mut features);
     }
