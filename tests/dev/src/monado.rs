@@ -67,7 +67,7 @@ exec chroot "$root" /opt/parafovea/test "$@"
 pub fn monado(arguments: &[String]) -> Result<(), String> {
     let wanted = match arguments {
         [] => "",
-        [wanted] => wanted,
+        [wanted] if !wanted.starts_with('-') => wanted,
         _ => return Err("usage: cargo dev monado [PART]".to_owned()),
     };
     setup(Voice::Implied)?;
@@ -89,6 +89,9 @@ pub fn monado(arguments: &[String]) -> Result<(), String> {
     }
     let cases: Vec<Vec<String>> =
         cases()?.into_iter().filter(|case| case.join(" ").contains(wanted)).collect();
+    if cases.is_empty() {
+        return Err(format!("no application has {wanted:?} in its name or arguments"));
+    }
     let mut wrong = 0;
     for case in &cases {
         match compare(&root, case) {
@@ -101,7 +104,7 @@ pub fn monado(arguments: &[String]) -> Result<(), String> {
     }
     println!("{} applications, {wrong} with different behaviour", cases.len());
     steps.summary();
-    if wrong == 0 && !cases.is_empty() {
+    if wrong == 0 {
         Ok(())
     } else {
         Err(format!("different behaviour in {wrong} of {} applications", cases.len()))
@@ -118,7 +121,16 @@ fn passes(steps: &mut Steps, root: &Path) -> Result<(), String> {
     let runner = format!("CARGO_TARGET_{}_RUNNER", host.to_uppercase().replace(['-', '.'], "_"));
     let enter = root.join("opt/parafovea/enter.sh");
     let mut command = cargo();
-    command.args(["test", "--locked", "--package", "parafovea-layer", "--test", "*"]);
+    command.args(["test", "--locked", "--package", "parafovea-layer"]);
+    let tests = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../layer/tests"))
+        .map_err(|error| format!("layer/tests: {error}"))?;
+    for test in tests {
+        let name = test.map_err(|error| format!("layer/tests: {error}"))?.file_name();
+        // The test of the rooms reads the sources, which that system does not have.
+        if name != "rooms" {
+            command.arg("--test").arg(name);
+        }
+    }
     command.env(runner, format!("unshare --mount sh -e {} {}", enter.display(), root.display()));
     steps.run("passes", tasks::in_root(&mut command))
 }
