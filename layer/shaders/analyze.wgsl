@@ -505,14 +505,16 @@ fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
     let most = select(SAME_ACROSS_RATES, SAME, at_same_rate);
     let is_same = change <= most && change * most >= 1.0;
     let is_noise = change <= STEADY && change * STEADY >= 1.0;
-    let scale = select(1.0 + (change - 1.0) * FOLLOW, 1.0, is_noise || !at_same_rate);
+    let part = select(FOLLOW, 0.0, is_noise || !at_same_rate);
+    let scale = 1.0 + (change - 1.0) * part;
     var octaves = EQUAL_OCTAVES;
     let octave = now / octaves[survivor];
     for (var i = 0u; i < survivor; i++) {
         // perception::extrapolate
         let expected = octave * octaves[i];
         let guessed = select(max(bands[i], expected), expected, i < lost_entirely);
-        bands[i] = select(guessed, before[i] * scale, is_same);
+        // Another picture at this place has other octaves.
+        bands[i] = select(guessed, mix(before[i] * scale, guessed, part), is_same);
     }
     // Contrast that coarse shading folds into this band is not in the picture.
     bands[survivor] = select(now, before[survivor] * scale, is_same && survivor > 0u);

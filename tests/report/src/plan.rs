@@ -60,18 +60,18 @@ impl Plan {
         }
     }
 
-    /// A morning's work: 6 scenes, 90 frames at 1024 x 1024, errors of 30 of these, and of a few at 20 pixels a degree.
+    /// A plan for an hour: 6 scenes, 40 frames at 768 x 768, errors of 15 of these, and of a few at 20 pixels a degree.
     pub fn full() -> Self {
-        let timed = Effort { turns: 2, run_up: LAYER_RUN_UP, frames: 90, size: 1024 };
+        let timed = Effort { turns: 2, run_up: LAYER_RUN_UP, frames: 40, size: 768 };
         // Rates need half a second to become coarse.
         let fine = Effort { turns: 1, run_up: 48, frames: 4, size: FINE_SIZE };
         Self {
             scenes: SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard).collect(),
             points: points(Extent::Full),
             hardware: hardware_points(Extent::Full),
-            scripts: 3,
             timed,
-            judged: Effort { turns: 1, frames: 30, ..timed },
+            judged: Effort { turns: 1, frames: 15, ..timed },
+            scripts: 2,
             fine: Some((SceneName::Cockpit, fine)),
             ..Self::quick()
         }

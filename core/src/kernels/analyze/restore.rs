@@ -62,8 +62,9 @@ pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, shown: &mut Plane<Show
 
 /// One tile with its contrast restored.
 ///
-/// As long as the finest surviving octave changes little, so does the picture: the lost octaves stay as they were, and follow
-/// changes of that octave at the same rate beyond noise. Otherwise they are estimated ([`extrapolate`]). So is the finest
+/// As long as the finest surviving octave changes little, so does the picture: the lost octaves stay as they were. Changes of that octave at
+/// the same rate beyond noise scale them, and come from another picture at this place, as while the head turns: frame by frame the lost octaves
+/// approach their estimates ([`extrapolate`]). After a large change they are estimates at once. So is the finest
 /// surviving octave: detail that blocks fold into it would refine the tile, and be gone at the finer rate.
 pub fn restored(
     measured: TileContrast,
@@ -87,7 +88,14 @@ pub fn restored(
     let is_noise = change <= STEADY && change * STEADY >= 1.0;
     let scale = if is_noise { 1.0 } else { 1.0 + (change - 1.0) * FOLLOW };
     let contrast = if is_noise { before } else { ((before + FLOOR) * scale - FLOOR).max(0.0) };
-    (with_known(measured, previous, survivor, scale), Shown { contrast, ..now })
+    let mut known = with_known(measured, previous, survivor, scale);
+    if !is_noise {
+        let estimated = extrapolate(measured, shaded_at);
+        for (band, estimate) in known.bands[..survivor].iter_mut().zip(estimated.bands) {
+            *band += (estimate - *band) * FOLLOW;
+        }
+    }
+    (known, Shown { contrast, ..now })
 }
 
 /// The tile, if it is coarse, with its bands up to `survivor` as they were known, times `scale`.
