@@ -217,8 +217,8 @@ impl Planning {
     }
 
     /// Takes the sound of now, as far as it can be relied on.
-    pub fn listen(&mut self, heard: Option<AudioFeatures>) {
-        self.audio = heard;
+    pub fn listen(&mut self, features: Option<AudioFeatures>) {
+        self.audio = features;
     }
 
     /// Plans the frame that is shown at `time_ns`. `head` leads from the space of the head to one that rests in the world.

@@ -64,7 +64,7 @@ impl StatusReporter {
             is_asked: AtomicBool::new(true),
         });
         let theirs = shared.clone();
-        let tell = move || {
+        let write = move || {
             let (mut status, mut applied) = (known, AppliedRates::default());
             loop {
                 if let Some(corrections) = &mut corrections {
@@ -85,8 +85,8 @@ impl StatusReporter {
             }
         };
         Builder::new()
-            .name("parafovea-tell".to_owned())
-            .spawn(tell)
+            .name("parafovea-state".to_owned())
+            .spawn(write)
             .inspect_err(|error| {
                 tracing::warn!("parafovea status will not show this session: cannot start a thread: {error}")
             })

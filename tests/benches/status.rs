@@ -17,7 +17,7 @@ type Failure = Box<dyn std::error::Error>;
 const CONFIG: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\n[gaze]\nsource = \"centre\"\n";
 const STYLES: [&str; 3] = ["render-pass", "dynamic-rendering", "double-wide"];
 /// Name of the layer's status thread; the system cuts names to 15 bytes.
-const TELLS: &str = "parafovea-tell";
+const WRITER: &str = "parafovea-state";
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn main() -> ExitCode {
@@ -134,11 +134,11 @@ fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Result<Status, Fa
 fn thread(pid: u32) -> Result<String, Failure> {
     for task in std::fs::read_dir(format!("/proc/{pid}/task"))? {
         let task = task?;
-        if std::fs::read_to_string(task.path().join("comm"))?.trim() == TELLS {
+        if std::fs::read_to_string(task.path().join("comm"))?.trim() == WRITER {
             return Ok(task.file_name().to_string_lossy().into_owned());
         }
     }
-    Err(format!("no thread {TELLS}").into())
+    Err(format!("no thread {WRITER}").into())
 }
 
 /// CPU time that a thread has taken, nanoseconds (proc(5), schedstat).

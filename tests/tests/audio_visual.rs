@@ -168,7 +168,7 @@ impl Listening {
         let scenario = Scenario::new(frames).sized(256, 224).saving(&[frames - 1]);
         let configured = |run: Run| {
             let run = run.with_ears().unwrap().validated().shading_rates(ShadingRateProfile::NvkTuring);
-            run.on(config).env("PARAFOVEA_HEARD_FILE", &heard).timeout(Duration::from_secs(900))
+            run.on(config).env("PARAFOVEA_FEATURES_FILE", &heard).timeout(Duration::from_secs(900))
         };
         let player = Player::alone(&application, scenario, configured).unwrap();
         Self { player, heard, frames: 0, _folder: folder }

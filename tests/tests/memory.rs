@@ -81,7 +81,7 @@ fn allocations(config: &str, frames: u64) -> f64 {
     let run = run.env("LD_PRELOAD", counter).env("PARAFOVEA_TEST_ALLOCATIONS_OF", "libparafovea.so");
     let run = run.env("PARAFOVEA_TEST_ALLOCATIONS_FILE", file.path());
     // The thread of the status allocates once a second, regardless of the number of frames.
-    let run = run.env("PARAFOVEA_TEST_ALLOCATIONS_EXCEPT", "parafovea-tell");
+    let run = run.env("PARAFOVEA_TEST_ALLOCATIONS_EXCEPT", "parafovea-state");
     run.finish().unwrap().expect_frames(frames).unwrap();
     let count: f64 = std::fs::read_to_string(file.path()).unwrap().parse().unwrap();
     assert!(count > 100.0, "only {count}: the layer was not found");

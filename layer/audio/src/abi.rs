@@ -56,17 +56,17 @@ unsafe extern "C" fn start(settings: *const SettingsRecord) -> Handle {
 unsafe extern "C" fn features(capture: Handle, features: *mut FeaturesRecord) -> u32 {
     guarded(0, || {
         // SAFETY: a capture that `start` made and that was not stopped.
-        let Some(heard) = (unsafe { capture.cast::<Capture>().as_ref() }).and_then(Capture::heard) else {
+        let Some(newest) = (unsafe { capture.cast::<Capture>().as_ref() }).and_then(Capture::newest) else {
             return 0;
         };
         let record = FeaturesRecord {
-            serial: heard.serial,
-            age_ns: heard.age_ns,
-            loudness_lufs: heard.features.loudness_lufs,
-            gamma_ld: heard.features.gamma_ld,
-            gamma_fq_kilomel: heard.features.gamma_fq_kilomel,
-            is_silent: u32::from(heard.features.silent),
-            confidence: heard.confidence,
+            serial: newest.serial,
+            age_ns: newest.age_ns,
+            loudness_lufs: newest.features.loudness_lufs,
+            gamma_ld: newest.features.gamma_ld,
+            gamma_fq_kilomel: newest.features.gamma_fq_kilomel,
+            is_silent: u32::from(newest.features.silent),
+            confidence: newest.confidence,
             reserved: 0,
         };
         // SAFETY: the caller's record, valid to write to.

@@ -2,7 +2,7 @@
 
 use crate::settings::Settings;
 use crate::shared::Shared;
-use crate::{ears, sources};
+use crate::{analysis, sources};
 use parafovea_core::audio::AudioFeatures;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -34,14 +34,14 @@ impl Capture {
     pub fn start(settings: Settings) -> io::Result<Self> {
         let capture = Self(Arc::new(Shared::new(settings)));
         capture.spawn("parafovea-sound", sources::run)?;
-        capture.spawn("parafovea-ears", ears::run)?;
+        capture.spawn("parafovea-meter", analysis::run)?;
         Ok(capture)
     }
 
     /// The newest features; nothing before the first. Neither waits nor allocates.
-    pub fn heard(&self) -> Option<CapturedFeatures> {
+    pub fn newest(&self) -> Option<CapturedFeatures> {
         let set = self.0.published.newest()?;
-        let age_ns = self.0.now_ns().saturating_sub(set.heard_ns);
+        let age_ns = self.0.now_ns().saturating_sub(set.captured_ns);
         Some(CapturedFeatures {
             serial: set.serial,
             age_ns,

@@ -2,7 +2,7 @@
 //!
 //! A shared library of its own, so that ALSA's library is not in every game: the layer loads it when sound is asked for,
 //! and finds its table ([`abi`]). A [`Capture`] has two threads. One takes samples from a [`sources`], and does nothing
-//! else with them than to write them into a ring ([`ring`]); the other ([`ears`]) computes features from them and
+//! else with them than to write them into a ring ([`ring`]); the other ([`analysis`]) computes features from them and
 //! publishes those ([`published`]) for threads that must not wait.
 //!
 //! # Privacy
@@ -14,8 +14,8 @@
 
 #[allow(unsafe_code)]
 mod abi;
+mod analysis;
 pub mod capture;
-mod ears;
 mod messages;
 mod published;
 pub mod ring;

@@ -12,8 +12,8 @@ const TRIES: u32 = 8;
 pub struct Set {
     /// Counts sets, from 1.
     pub serial: u64,
-    /// When the last sample that counts was heard, nanoseconds of the capture's clock.
-    pub heard_ns: u64,
+    /// Time of the last sample that counts, nanoseconds of the capture's clock.
+    pub captured_ns: u64,
     /// The features.
     pub features: AudioFeatures,
     /// Share of the last seconds that was captured intact, 0..=1.
@@ -61,10 +61,10 @@ fn words(set: &Set) -> [u64; 5] {
     let AudioFeatures { loudness_lufs, gamma_ld, gamma_fq_kilomel, silent } = set.features;
     let pair = |high: f32, low: f32| u64::from(high.to_bits()) << 32 | u64::from(low.to_bits());
     let last = pair(set.confidence, if silent { 1.0 } else { 0.0 });
-    [set.serial, set.heard_ns, pair(loudness_lufs, gamma_ld), u64::from(gamma_fq_kilomel.to_bits()), last]
+    [set.serial, set.captured_ns, pair(loudness_lufs, gamma_ld), u64::from(gamma_fq_kilomel.to_bits()), last]
 }
 
-fn set([serial, heard_ns, levels, pitch, last]: [u64; 5]) -> Set {
+fn set([serial, captured_ns, levels, pitch, last]: [u64; 5]) -> Set {
     let high = |word: u64| f32::from_bits((word >> 32) as u32);
     let low = |word: u64| f32::from_bits(word as u32);
     let features = AudioFeatures {
@@ -73,7 +73,7 @@ fn set([serial, heard_ns, levels, pitch, last]: [u64; 5]) -> Set {
         gamma_fq_kilomel: low(pitch),
         silent: low(last) != 0.0,
     };
-    Set { serial, heard_ns, features, confidence: high(last) }
+    Set { serial, captured_ns, features, confidence: high(last) }
 }
 
 #[cfg(test)]
@@ -90,7 +90,7 @@ mod tests {
             gamma_fq_kilomel: value,
             silent: number.is_multiple_of(2),
         };
-        Set { serial: number, heard_ns: number, features, confidence: value }
+        Set { serial: number, captured_ns: number, features, confidence: value }
     }
 
     #[test]
@@ -98,7 +98,7 @@ mod tests {
         let published = Published::default();
         assert_eq!(published.newest(), None);
         let silence =
-            Set { serial: 7, heard_ns: u64::MAX, features: AudioFeatures::SILENT, confidence: 0.25 };
+            Set { serial: 7, captured_ns: u64::MAX, features: AudioFeatures::SILENT, confidence: 0.25 };
         for set in [numbered(1), silence] {
             published.publish(&set);
             assert_eq!(published.newest(), Some(set));

@@ -1,4 +1,4 @@
-//! The one place where samples wait: a ring between the thread that gets them and the thread that hears them.
+//! The one place where samples wait: a ring between the capturing thread and the analysing thread.
 
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
@@ -51,7 +51,7 @@ impl Writer {
     }
 }
 
-/// The end of the thread that hears.
+/// The end of the analysing thread.
 pub struct Reader {
     consumer: Consumer<f32>,
     lost: Arc<AtomicU64>,

@@ -1,7 +1,7 @@
 //! Sound, while the configuration asks for it: another library listens, on threads of its own.
 
 #[cfg(debug_assertions)]
-mod heard_file;
+mod features_file;
 
 use crate::abi::audio_library::Capture;
 use crate::config::{AudioMode, AudioSource, Config, FilePath};
@@ -61,15 +61,15 @@ impl AudioInput {
         }
         let listening = self.listening.as_ref()?;
         let record = listening.shared.capture.get().and_then(Capture::features);
-        let heard = record.and_then(|record| relied_on(&record, listening.wanted.interval_s));
+        let features = record.and_then(|record| relied_on(&record, listening.wanted.interval_s));
         #[cfg(debug_assertions)]
         {
-            let newest = (heard, record.map_or(0, |record| record.serial));
-            if heard_file::is_wanted() && self.last.replace(newest) != Some(newest) {
-                heard_file::write(heard.as_ref(), record.as_ref());
+            let newest = (features, record.map_or(0, |record| record.serial));
+            if features_file::is_wanted() && self.last.replace(newest) != Some(newest) {
+                features_file::write(features.as_ref(), record.as_ref());
             }
         }
-        heard
+        features
     }
 
     /// Ends the capture, while its features are not wanted.
@@ -122,7 +122,7 @@ impl Listening {
         let shared = Arc::new(Shared::default());
         let theirs = shared.clone();
         let run = move || listen(&wanted, &theirs);
-        match Builder::new().name("parafovea-hear".to_owned()).spawn(run) {
+        match Builder::new().name("parafovea-audio".to_owned()).spawn(run) {
             Ok(_) => Some(Self { wanted, shared }),
             Err(error) => {
                 tracing::warn!("sound: not captured: cannot start a thread: {error}");

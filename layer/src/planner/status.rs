@@ -23,7 +23,7 @@ impl LastLook {
 }
 
 impl Planning {
-    /// Writes the status of now. Of the gaze only whether there is one and how old it is, of the sound only whether something is heard.
+    /// Writes the status of now. Of the gaze only whether there is one and how old it is, of the sound only whether there is any.
     pub fn write_status(&self, config: &Config, snapshot: &mut StatusSnapshot) {
         snapshot.frame_rate_hz = self.frame_rate.hz();
         snapshot.gaze_source = config.gaze.source;

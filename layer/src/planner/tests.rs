@@ -146,8 +146,8 @@ fn a_gaze_in_packets_is_in_the_map_of_the_next_frame() {
             let packets = if frame < 60 { here } else { &there };
             packets.iter().for_each(|bytes| gaze.take(sender, read(bytes), came_ns));
             session.begin();
-            let heard = NewestGaze { look: gaze.look(), age: Some(std::time::Duration::from_millis(2)) };
-            session.plan(heard.look(&mut times, session.time_ns, 50_000_000));
+            let newest = NewestGaze { look: gaze.look(), age: Some(std::time::Duration::from_millis(2)) };
+            session.plan(newest.look(&mut times, session.time_ns, 50_000_000));
             let [is_here, is_there] = [from, to].map(crate::inputs::gaze::direction).map(|direction| {
                 [0, 1].map(|eye| rate_at(&session, eye, direction) == ShadingRate::R1X1.texel())
             });
@@ -269,8 +269,8 @@ fn contrast_and_sound_are_left_to_the_gpu() {
     let greatest_loss = config.rates.greatest_loss;
     let mut session = Session::new(config);
     let loud = AudioFeatures { loudness_lufs: -10.0, gamma_ld: 25.0, gamma_fq_kilomel: 1.0, silent: false };
-    let mut decided = |heard| {
-        session.planning.listen(heard);
+    let mut decided = |sound| {
+        session.planning.listen(sound);
         session.begin();
         session.planning.plan(&session.config, true, Quat::from_rotation_y(0.3), session.time_ns);
         session.planning.new_rates(&session.config, || 1).unwrap().eyes[0]

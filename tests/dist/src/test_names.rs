@@ -1,7 +1,7 @@
 //! Variables for tests alone: builds for users must not know them, because they reveal gaze and sound, or break calls.
 
 /// Names that only builds with debug assertions know.
-pub const TEST_NAMES: [&str; 3] = ["PARAFOVEA_PASSES_FILE", "PARAFOVEA_HEARD_FILE", "PARAFOVEA_PANIC"];
+pub const TEST_NAMES: [&str; 3] = ["PARAFOVEA_PASSES_FILE", "PARAFOVEA_FEATURES_FILE", "PARAFOVEA_PANIC"];
 
 /// The names of [`TEST_NAMES`] that occur in a program or library.
 pub fn test_names(binary: &[u8]) -> Vec<&'static str> {
@@ -15,7 +15,7 @@ mod tests {
 
     #[test]
     fn a_name_is_found_anywhere() {
-        assert_eq!(test_names(b"\x7fELF...PARAFOVEA_HEARD_FILE"), ["PARAFOVEA_HEARD_FILE"]);
+        assert_eq!(test_names(b"\x7fELF...PARAFOVEA_FEATURES_FILE"), ["PARAFOVEA_FEATURES_FILE"]);
         assert_eq!(test_names(b"PARAFOVEA_CONFIG PARAFOVEA_HEARD"), [""; 0]);
     }
 }

@@ -1,4 +1,4 @@
-//! Sound features in the plans of an application: the lines of its `PARAFOVEA_HEARD_FILE`.
+//! Sound features in the plans of an application: the lines of its `PARAFOVEA_FEATURES_FILE`.
 
 use serde::Deserialize;
 use std::path::Path;

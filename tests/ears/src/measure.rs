@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// Threads of a capture, by the names that the system knows (15 characters).
-const THREADS: [&str; 2] = ["parafovea-sound", "parafovea-ears"];
+const THREADS: [&str; 2] = ["parafovea-sound", "parafovea-meter"];
 
 /// Time of a callback for 10 ms of stereo at 48 kHz, microseconds of its thread's CPU time, each of `count` times.
 ///
@@ -65,7 +65,7 @@ pub fn capture_cost(time: Duration) -> Result<Cost> {
     let capture = Capture::start(Settings { source: Source::System, ..Settings::default() })?;
     let start = Instant::now();
     let first_look = time / 10;
-    while capture.heard().is_none_or(|heard| heard.features.silent) {
+    while capture.newest().is_none_or(|newest| newest.features.silent) {
         ensure!(start.elapsed() < Duration::from_secs(10), "no sound is captured: {:?}", capture.next_line());
         std::thread::sleep(Duration::from_millis(10));
     }
@@ -79,14 +79,14 @@ pub fn capture_cost(time: Duration) -> Result<Cost> {
     };
     let start = Instant::now();
     let spent = threads_cpu_ns()?;
-    let sets = capture.heard().map_or(0, |heard| heard.serial);
+    let sets = capture.newest().map_or(0, |newest| newest.serial);
     let (mut newest, mut since) = (sets, start);
     while start.elapsed() < time {
         std::thread::sleep(LOOK_EVERY);
-        let heard = capture.heard().map_or(0, |heard| heard.serial);
+        let current = capture.newest().map_or(0, |set| set.serial);
         cost.longest_wait = cost.longest_wait.max(since.elapsed());
-        if heard != newest {
-            (newest, since) = (heard, Instant::now());
+        if current != newest {
+            (newest, since) = (current, Instant::now());
         }
         let resident = resident_bytes()?;
         if cost.resident_first == 0 {

@@ -69,7 +69,7 @@ impl Stage {
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("heard.jsonl");
         let config = configuration(&format!("source = \"system\"\n{audio}"));
-        let run = application()?.on(&config).env("PARAFOVEA_HEARD_FILE", &file);
+        let run = application()?.on(&config).env("PARAFOVEA_FEATURES_FILE", &file);
         let running = run.env("XDG_RUNTIME_DIR", server.runtime_folder()).start()?;
         let stage = Self { server, player, lateness, running, file, _folder: folder };
         stage.wait("silence", |line| line.silent == Some(true), None)?;

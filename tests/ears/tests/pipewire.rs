@@ -16,7 +16,7 @@ fn sound_played_into_pipewire_is_captured() {
     let samples = sound(Kind::Tone, -20.0, SAMPLE_RATE_HZ, 1.0);
     player.play(samples.clone(), true);
     let run = application().unwrap().on(&configuration("source = \"system\"\nwindow_s = 1.0"));
-    let run = run.env("PARAFOVEA_HEARD_FILE", &file).env("XDG_RUNTIME_DIR", server.runtime_folder());
+    let run = run.env("PARAFOVEA_FEATURES_FILE", &file).env("XDG_RUNTIME_DIR", server.runtime_folder());
     let running = run.start().unwrap();
     let expected = *features(&samples, SAMPLE_RATE_HZ, &Default::default()).last().unwrap();
     let start = Instant::now();

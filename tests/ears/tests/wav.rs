@@ -10,7 +10,7 @@ const SAMPLE_RATE_HZ: u32 = 44_100;
 #[test]
 fn a_file_is_heard_as_if_it_were_played() {
     let folder = tempfile::tempdir().unwrap();
-    let (file, heard_file) = (folder.path().join("tone.wav"), folder.path().join("heard.jsonl"));
+    let (file, features_file) = (folder.path().join("tone.wav"), folder.path().join("heard.jsonl"));
     let samples = sound(Kind::Tone, -20.0, SAMPLE_RATE_HZ, 1.0);
     let spec = hound::WavSpec {
         channels: CHANNELS as u16,
@@ -24,10 +24,10 @@ fn a_file_is_heard_as_if_it_were_played() {
 
     let config = configuration(&format!("source = \"file\"\nfile = \"{}\"\nwindow_s = 1.0", file.display()));
     let running =
-        application().unwrap().on(&config).env("PARAFOVEA_HEARD_FILE", &heard_file).start().unwrap();
+        application().unwrap().on(&config).env("PARAFOVEA_FEATURES_FILE", &features_file).start().unwrap();
     let start = Instant::now();
     let is_whole = || {
-        let heard = lines(&heard_file);
+        let heard = lines(&features_file);
         heard.last().filter(|line| line.confidence == Some(1.0)).copied()
     };
     // The file ends after a second, and starts again.

@@ -84,7 +84,7 @@ pub struct FeaturesRecord {
     pub gamma_ld: f32,
     /// gamma_fq, kilo-mel.
     pub gamma_fq_kilomel: f32,
-    /// 1: nothing is heard.
+    /// 1: silence.
     pub is_silent: u32,
     /// Share of the last seconds that was captured intact, 0..=1.
     pub confidence: f32,

@@ -189,13 +189,13 @@ pub(super) fn plan(
         return;
     }
     let head = look(session, state, config, time);
-    let heard = state.audio_input().poll(config);
+    let sound = state.audio_input().poll(config);
     let has_maps = {
         let mut planning = state.planning();
         if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
             compose.changes(|view, tiles, changes| planning.content_changed(view, tiles, changes));
         }
-        planning.listen(heard);
+        planning.listen(sound);
         planning.has_maps(config)
     };
     let inputs = Some(PlanInputs { can_attenuate, head });

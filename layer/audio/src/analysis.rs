@@ -1,4 +1,4 @@
-//! The thread that hears: from samples in the ring to features that are published.
+//! The analysis of sound on a thread of its own: from samples in the ring to published features.
 
 use crate::published::Set;
 use crate::ring::Reader;
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Interval at which the ring is emptied: the longest wait of a sound in it.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// Hears until the capture ends.
+/// Analyses sound until the capture ends.
 pub fn run(shared: &Shared) {
     let mut stream = None;
     let mut serial = 0;
@@ -24,7 +24,7 @@ pub fn run(shared: &Shared) {
             };
         }
         if let Some(stream) = &mut stream {
-            stream.hear(shared, &mut serial);
+            stream.analyse(shared, &mut serial);
         }
         std::thread::sleep(PERIOD);
     }
@@ -48,7 +48,7 @@ struct Stream {
 struct Hop {
     /// Samples of a whole hop.
     length: usize,
-    heard: usize,
+    taken: usize,
     unfit: usize,
 }
 
@@ -72,7 +72,7 @@ impl Stream {
     }
 
     /// Takes the sound that waits in the ring.
-    fn hear(&mut self, shared: &Shared, serial: &mut u64) {
+    fn analyse(&mut self, shared: &Shared, serial: &mut u64) {
         let is_muted = shared.is_muted();
         if is_muted != self.was_muted {
             self.was_muted = is_muted;
@@ -97,8 +97,8 @@ impl Stream {
                 *unpublished = 0;
                 *serial += 1;
                 let confidence = if is_muted { 1.0 } else { continuity.confidence() };
-                let heard_ns = shared.now_ns();
-                shared.published.publish(&Set { serial: *serial, heard_ns, features: newest, confidence });
+                let captured_ns = shared.now_ns();
+                shared.published.publish(&Set { serial: *serial, captured_ns, features: newest, confidence });
             }
         });
     }
@@ -120,11 +120,11 @@ impl Stream {
 fn for_hops(reader: &mut Reader, hop: &mut Hop, mut take: impl FnMut(&Hop, &[f32], bool)) {
     reader.read(|mut samples| {
         while !samples.is_empty() {
-            let (piece, later) = samples.split_at((hop.length - hop.heard).min(samples.len()));
+            let (piece, later) = samples.split_at((hop.length - hop.taken).min(samples.len()));
             samples = later;
-            hop.heard += piece.len();
+            hop.taken += piece.len();
             hop.unfit += piece.iter().filter(|sample| !sample.is_finite()).count();
-            let is_complete = hop.heard == hop.length;
+            let is_complete = hop.taken == hop.length;
             take(hop, piece, is_complete);
             if is_complete {
                 *hop = Hop { length: hop.length, ..Hop::default() };
@@ -158,10 +158,16 @@ mod tests {
     }
 
     /// Hears so many hops of a tone.
-    fn hear(hops: usize, shared: &Shared, stream: &mut Stream, writer: &mut Writer, serial: &mut u64) -> Set {
+    fn analyse(
+        hops: usize,
+        shared: &Shared,
+        stream: &mut Stream,
+        writer: &mut Writer,
+        serial: &mut u64,
+    ) -> Set {
         for _ in 0..hops {
             writer.write(tone(HOP));
-            stream.hear(shared, serial);
+            stream.analyse(shared, serial);
         }
         shared.published.newest().unwrap()
     }
@@ -171,7 +177,7 @@ mod tests {
         for (interval_s, sets) in [(0.1, 30), (0.3, 10), (1.0, 3), (0.0, 30), (9.0, 3)] {
             let (shared, mut stream, mut writer) = stream(Settings { interval_s, ..Settings::default() });
             let mut serial = 0;
-            let newest = hear(30, &shared, &mut stream, &mut writer, &mut serial);
+            let newest = analyse(30, &shared, &mut stream, &mut writer, &mut serial);
             assert_eq!((serial, newest.serial), (sets, sets), "{interval_s}");
             assert!(!newest.features.silent && (newest.confidence - 1.0).abs() < 1e-6, "{newest:?}");
         }
@@ -181,17 +187,17 @@ mod tests {
     fn what_is_lost_or_no_number_lowers_the_confidence() {
         let (shared, mut stream, mut writer) = stream(Settings::default());
         let mut serial = 0;
-        hear(30, &shared, &mut stream, &mut writer, &mut serial);
+        analyse(30, &shared, &mut stream, &mut writer, &mut serial);
         // Half a second fits into the ring: a quarter of a second is lost.
         writer.write(tone(6_000));
-        stream.hear(&shared, &mut serial);
-        let lost = hear(1, &shared, &mut stream, &mut writer, &mut serial).confidence;
+        stream.analyse(&shared, &mut serial);
+        let lost = analyse(1, &shared, &mut stream, &mut writer, &mut serial).confidence;
         assert!(lost < 1.0, "{lost}");
 
-        hear(30, &shared, &mut stream, &mut writer, &mut serial);
+        analyse(30, &shared, &mut stream, &mut writer, &mut serial);
         for _ in 0..2 {
             writer.write([f32::NAN; HOP].into_iter());
-            stream.hear(&shared, &mut serial);
+            stream.analyse(&shared, &mut serial);
         }
         assert_eq!(shared.published.newest().unwrap().confidence, 0.0);
     }
@@ -200,12 +206,12 @@ mod tests {
     fn a_muted_output_is_silence_and_forgotten() {
         let (shared, mut stream, mut writer) = stream(Settings::default());
         let mut serial = 0;
-        hear(30, &shared, &mut stream, &mut writer, &mut serial);
+        analyse(30, &shared, &mut stream, &mut writer, &mut serial);
         shared.set_muted(true);
-        let muted = hear(1, &shared, &mut stream, &mut writer, &mut serial);
+        let muted = analyse(1, &shared, &mut stream, &mut writer, &mut serial);
         assert_eq!((muted.features, muted.confidence), (AudioFeatures::SILENT, 1.0));
         shared.set_muted(false);
-        let first = hear(1, &shared, &mut stream, &mut writer, &mut serial);
+        let first = analyse(1, &shared, &mut stream, &mut writer, &mut serial);
         assert!(!first.features.silent && first.confidence < 0.1, "{first:?}");
     }
 
@@ -213,11 +219,11 @@ mod tests {
     fn what_repeats_does_not_allocate() {
         let (shared, mut stream, mut writer) = stream(Settings::default());
         let mut serial = 0;
-        hear(31, &shared, &mut stream, &mut writer, &mut serial);
+        analyse(31, &shared, &mut stream, &mut writer, &mut serial);
         let bytes: Vec<u8> = tone(HOP).flat_map(f32::to_le_bytes).collect();
         let callback = allocation_counter::measure(|| writer.write_f32_le(&bytes));
         assert_eq!(callback.count_total, 0);
-        let hearing = allocation_counter::measure(|| stream.hear(&shared, &mut serial));
+        let hearing = allocation_counter::measure(|| stream.analyse(&shared, &mut serial));
         assert_eq!(hearing.count_total, 0);
         let reading = allocation_counter::measure(|| _ = std::hint::black_box(shared.published.newest()));
         assert_eq!(reading.count_total, 0);

@@ -1,6 +1,6 @@
 //! For tests, in builds with debug assertions alone: a file of the sound features that plans used. It reveals the sound.
 //!
-//! `PARAFOVEA_HEARD_FILE` names it; it is only looked at where a session is active and the configuration asks for sound, so
+//! `PARAFOVEA_FEATURES_FILE` names it; it is only looked at where a session is active and the configuration asks for sound, so
 //! not in processes with elevated rights. A line is added for each set of features, and when plans take other things of it, a JSON object:
 //!
 //! `{"unix_ns":0,"gamma_ld":0.0,"gamma_fq_kilomel":1.0,"silent":false,"loudness_lufs":-20.0,"age_ms":0.0,"confidence":1.0}`
@@ -16,7 +16,7 @@ use std::io::Write as _;
 use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-const VARIABLE: &str = "PARAFOVEA_HEARD_FILE";
+const VARIABLE: &str = "PARAFOVEA_FEATURES_FILE";
 
 static FILE: LazyLock<Option<Mutex<File>>> = LazyLock::new(|| {
     let path = std::env::var_os(VARIABLE)?;
