@@ -479,6 +479,7 @@ const SAME: f32 = 2.0;
 const SAME_ACROSS_RATES: f32 = 4.0;
 const STEADY: f32 = 1.25;
 const FOLLOW: f32 = 0.1;
+const FORGET: f32 = 0.25;
 const FLOOR: f32 = 0.01;
 
 // reuse::STALE
@@ -505,8 +506,9 @@ fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
     let most = select(SAME_ACROSS_RATES, SAME, at_same_rate);
     let is_same = change <= most && change * most >= 1.0;
     let is_noise = change <= STEADY && change * STEADY >= 1.0;
-    let part = select(FOLLOW, 0.0, is_noise || !at_same_rate);
-    let scale = 1.0 + (change - 1.0) * part;
+    let is_kept = is_noise || !at_same_rate;
+    let scale = select(1.0 + (change - 1.0) * FOLLOW, 1.0, is_kept);
+    let forgotten = select(FORGET, 0.0, is_kept);
     var octaves = EQUAL_OCTAVES;
     let octave = now / octaves[survivor];
     for (var i = 0u; i < survivor; i++) {
@@ -514,7 +516,7 @@ fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
         let expected = octave * octaves[i];
         let guessed = select(max(bands[i], expected), expected, i < lost_entirely);
         // Another picture at this place has other octaves.
-        bands[i] = select(guessed, mix(before[i] * scale, guessed, part), is_same);
+        bands[i] = select(guessed, mix(before[i] * scale, guessed, forgotten), is_same);
     }
     // Contrast that coarse shading folds into this band is not in the picture.
     bands[survivor] = select(now, before[survivor] * scale, is_same && survivor > 0u);
