@@ -82,7 +82,7 @@ Usage: cargo dev TASK, in any folder of the repository
   dist                  write a release build to target/dist/, as an archive with an installer and as a Debian package
   report [--quick | --all] [--json]
                         measure speed against error, compared with the alternatives of users: a web page, tables and plots in
-                        target/report/. Takes an hour, 5 minutes with --quick, longer with --all
+                        target/report/. Takes an hour and a half, 5 minutes with --quick, longer with --all
   sanitize [address | miri | thread]
                         check unsafe code, if a nightly toolchain is installed
   sequences [COUNT]     run 100000, or COUNT, random sequences of OpenXR calls with and without the layer, hostile sequences, and random

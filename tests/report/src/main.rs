@@ -24,7 +24,7 @@ struct Arguments {
     /// 2 scenes, 6 techniques beside the application alone, 30 frames at 512 x 512: at most five minutes.
     #[arg(long)]
     quick: bool,
-    /// Every point of every sweep in six scenes, instead of a selection that takes an hour.
+    /// Every point of every sweep in six scenes, instead of a selection that takes an hour and a half.
     #[arg(long, conflicts_with = "quick")]
     all: bool,
     /// Also print each figure as a JSON object, one per line.

@@ -232,7 +232,7 @@ fn measure_finely(
     let mut reference: Option<Outcome> = None;
     let mut points = Vec::new();
     let mut pixels_per_degree = 0.0;
-    for together in plan.points.chunks(available_parallelism().map_or(1, usize::from)) {
+    for together in plan.fine_points().chunks(available_parallelism().map_or(1, usize::from)) {
         let mut others = Vec::new();
         for Point { technique, .. } in together {
             let Effort { size, .. } = effort;

@@ -32,7 +32,7 @@ pub struct Plan {
     pub timed: Effort,
     /// The run of each whose pictures are judged and whose fragments are counted.
     pub judged: Effort,
-    /// A run of each in one scene at the finest resolution, whose pictures are judged only.
+    /// A run of the points of the quick report in one scene at the finest resolution, whose pictures are judged only.
     pub fine: Option<(SceneName, Effort)>,
     /// Source of the application's gaze.
     pub tracker: Tracker,
@@ -60,9 +60,9 @@ impl Plan {
         }
     }
 
-    /// A plan for an hour: 6 scenes, 40 frames at 768 x 768, errors of 15 of these, and of a few at 20 pixels a degree.
+    /// A plan for an hour and a half: 6 scenes, 40 frames at 640 x 640, errors of 15 of these, and of a few at 20 pixels a degree.
     pub fn full() -> Self {
-        let timed = Effort { turns: 2, run_up: LAYER_RUN_UP, frames: 40, size: 768 };
+        let timed = Effort { turns: 2, run_up: LAYER_RUN_UP, frames: 40, size: 640 };
         // Rates need half a second to become coarse.
         let fine = Effort { turns: 1, run_up: 48, frames: 4, size: FINE_SIZE };
         Self {
@@ -85,6 +85,11 @@ impl Plan {
     /// The points that are timed, with their indices among all.
     pub fn timed_points(&self) -> impl Iterator<Item = (usize, &Point)> {
         self.points.iter().enumerate().filter(|(_, point)| point.is_timed)
+    }
+
+    /// The points that are judged at the finest resolution.
+    pub fn fine_points(&self) -> Vec<&Point> {
+        self.points.iter().filter(|point| point.is_in(Extent::Quick)).collect()
     }
 
     /// Number of techniques with maps of the layer.
@@ -117,20 +122,24 @@ impl Plan {
         let glances = self.further_scripts() as usize * (1 + self.scaled() + self.attached());
         let judged = self.points.len() + self.attached() + glances;
         let timed = self.timed_points().count() * self.timed.turns;
-        self.scenes.len() * (judged + timed) + if self.fine.is_some() { self.points.len() } else { 0 }
+        self.scenes.len() * (judged + timed) + if self.fine.is_some() { self.fine_points().len() } else { 0 }
     }
 
     /// All of it, in the unit of [`rendering`] and [`judging`].
     pub fn work(&self) -> u64 {
-        let pictures =
-            |effort: Effort, judging: u64| self.points.len() as u64 * (rendering(effort) + judging) - judging;
+        let pictures = |points: usize, effort: Effort, judging: u64| {
+            points as u64 * (rendering(effort) + judging) - judging
+        };
         let timed = self.timed_points().map(|(_, point)| rendering(self.timed.of(&point.technique)));
         let timed = timed.sum::<u64>() * self.timed.turns as u64;
-        let fine = self.fine.map_or(0, |(_, effort)| pictures(effort, judging(effort)));
+        let fine =
+            self.fine.map_or(0, |(_, effort)| pictures(self.fine_points().len(), effort, judging(effort)));
         let hardware = self.attached() as u64 * rendering(self.judged)
             + self.hardware.len() as u64 * self.judging()
             + u64::from(self.further_scripts()) * self.work_of_script();
-        self.scenes.len() as u64 * (pictures(self.judged, self.judging()) + hardware + timed) + fine
+        self.scenes.len() as u64
+            * (pictures(self.points.len(), self.judged, self.judging()) + hardware + timed)
+            + fine
     }
 }
 

@@ -92,12 +92,19 @@ pub struct Point {
     least: Extent,
 }
 
+impl Point {
+    /// Whether a report of this extent contains it.
+    pub fn is_in(&self, extent: Extent) -> bool {
+        self.least <= extent
+    }
+}
+
 /// Extent of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Extent {
     /// Points for five minutes.
     Quick,
-    /// Points for an hour.
+    /// Points for an hour and a half.
     Full,
     /// All points of all sweeps.
     All,
@@ -105,7 +112,7 @@ pub enum Extent {
 
 /// The points of a report, the application alone first.
 pub fn points(extent: Extent) -> Vec<Point> {
-    all().into_iter().filter(|point| point.least <= extent).collect()
+    all().into_iter().filter(|point| point.is_in(extent)).collect()
 }
 
 fn all() -> Vec<Point> {

@@ -24,7 +24,7 @@ fn the_quick_one_is_two_scenes_and_six_techniques_of_thirty_frames() {
 #[test]
 fn the_whole_one_is_six_scenes_and_more_of_everything() {
     let (quick, full, all) = (Plan::quick(), Plan::full(), Plan::all());
-    assert_eq!((full.scenes.len(), full.timed.frames, full.timed.size), (6, 40, 768));
+    assert_eq!((full.scenes.len(), full.timed.frames, full.timed.size), (6, 40, 640));
     assert_eq!(
         (full.judged.frames, full.judged.size),
         (15, full.timed.size),
