@@ -1,4 +1,4 @@
-//! Lays the plan's rates over the pictures of a pass: the content of its rate image.
+//! Resolves the plan's rates over the pictures of a pass: the content of its rate image.
 //!
 //! Each texel of the rate image gets the finest rate of all tiles of the plan that it overlaps. Rows and columns can be resolved
 //! separately, because all rectangles are axis-aligned. Rates are combined in unary, where the finer of two is a bitwise AND: log2 of a

@@ -208,7 +208,7 @@ proptest! {
 }
 
 #[test]
-fn a_plan_is_laid_where_its_view_is() {
+fn a_plan_is_resolved_where_its_view_is() {
     let texel = [16; 2];
     let plan = EyePlan {
         offset: [40, 8],

@@ -58,16 +58,16 @@ impl UploadedPlan {
         frame: u64,
     ) -> bool {
         let kept = (if techniques.rates { !STALE } else { 0 }) | (if techniques.reuse { STALE } else { 0 });
-        let mut is_news = !std::mem::replace(&mut self.is_known, true);
+        let mut is_changed = !std::mem::replace(&mut self.is_known, true);
         for (index, (map, eye)) in self.eyes.iter_mut().zip(eyes).enumerate() {
             let decision = orientations.map(|orientations| Decision::of(eye, orientations[index], frame));
-            is_news |= map.decide(decision);
+            is_changed |= map.decide(decision);
             self.newest.clear();
             eye.write_map(&mut self.newest);
             self.newest.iter_mut().for_each(|tile| *tile &= kept);
-            is_news |= map.take(eye, &mut self.newest);
+            is_changed |= map.take(eye, &mut self.newest);
         }
-        is_news
+        is_changed
     }
 
     /// The stale tiles of an eye.
@@ -87,10 +87,10 @@ impl Map {
     /// Takes an eye's map in place of its own, which goes to `bytes`. Whether it is another one.
     fn take(&mut self, eye: &EyePlan, bytes: &mut Vec<u8>) -> bool {
         let shape = (eye.extent, eye.texel, tiles(eye));
-        let is_news = (self.extent, self.texel, self.tiles) != shape || self.bytes != *bytes;
+        let is_changed = (self.extent, self.texel, self.tiles) != shape || self.bytes != *bytes;
         (self.extent, self.texel, self.tiles) = shape;
         std::mem::swap(&mut self.bytes, bytes);
-        is_news
+        is_changed
     }
 
     /// Takes the parameters of the decision on rates. Whether that can lead to other rates: where it is another, or tiles still become

@@ -344,10 +344,10 @@ pub unsafe extern "system" fn get_current_profile(
         let result = answer.record(below());
         let (true, Some(known)) = (result.into_raw() >= 0, &known) else { return result };
         // SAFETY: the call succeeded, so the structure is valid.
-        let told = unsafe { &mut (*profile).interaction_profile };
-        match known.actions.profiles.answer(*told) {
+        let answered = unsafe { &mut (*profile).interaction_profile };
+        match known.actions.profiles.answer(*answered) {
             Ok(path) => {
-                *told = path;
+                *answered = path;
                 result
             }
             Err(error) => answer.record(error),

@@ -102,9 +102,9 @@ impl SessionGaze {
             return;
         }
         let listener = Listener::begin(address, config.gaze.osc_scale_deg);
-        let told = listener.as_ref().map(drop).map_err(ToString::to_string);
-        let is_news = self.state().osc.opened(address, listener, now);
-        match told {
+        let state = listener.as_ref().map(drop).map_err(ToString::to_string);
+        let has_changed = self.state().osc.opened(address, listener, now);
+        match state {
             Ok(()) if config.gaze.osc_listen.is_loopback() => {
                 tracing::info!("receiving the gaze from OSC packets at {address}");
             }
@@ -112,10 +112,10 @@ impl SessionGaze {
                 "receiving the gaze from OSC packets at {address}: other computers can send them, too"
             ),
             // The user has not asked for packets by name.
-            Err(error) if is_news && config.gaze.source == GazeSource::Auto => {
+            Err(error) if has_changed && config.gaze.source == GazeSource::Auto => {
                 tracing::info!("no gaze from OSC packets: gaze.osc_listen = \"{address}\": {error}")
             }
-            Err(error) if is_news => {
+            Err(error) if has_changed => {
                 tracing::error!("no gaze from OSC packets: gaze.osc_listen = \"{address}\": {error}");
             }
             Err(_) => {}

@@ -190,11 +190,11 @@ impl SessionPlan {
         let techniques = if self.has_failed() { Techniques::default() } else { pays };
         let wanted = Wanted::new(config, techniques, wants_costs);
         self.planning().set_techniques(wanted.techniques, wants_costs);
-        let is_news = {
+        let is_changed = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             told.replace(wanted) != Some(wanted)
         };
-        if is_news {
+        if is_changed {
             let passes = wanted.passes.to_string();
             let record = SettingsRecord {
                 is_on: u32::from(wanted.is_on()),

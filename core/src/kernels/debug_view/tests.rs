@@ -34,7 +34,7 @@ fn each_pixel_has_its_own_tile() {
 }
 
 #[test]
-fn a_map_is_laid_over_a_picture_of_another_size_and_the_other_way_up() {
+fn a_map_is_drawn_over_a_picture_of_another_size_and_the_other_way_up() {
     let mut map = vec![0; 12];
     map[3] = 1;
     let shows = |params: &DebugViewParams, x, y| params.pixel(x, y, &map).is_some();

@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn only_newer_plans_are_laid() {
+    fn only_newer_plans_are_resolved() {
         let rates = DeviceRates::new([ShadingRate::R2X2, ShadingRate::R4X4].into_iter());
         let image = RateImage { area: [0, 0, 32, 16], texel: [16, 16], tiles: [2, 1], layers: 1 };
         let part =

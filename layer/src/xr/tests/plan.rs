@@ -10,7 +10,9 @@ use super::fake::frames::{
     self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, HEAD_LOCATED, IMAGES, IN_LOCATE, SAMPLE_AGE_NS,
     VIEWS, fov, pose,
 };
-use super::fake::vulkan_half::{self, DECISIONS, GPU_NS, PASSES, STALE_WORDS, Told, UNFOLLOWED, calls, told};
+use super::fake::vulkan_half::{
+    self, Crossing, DECISIONS, GPU_NS, PASSES, STALE_WORDS, UNFOLLOWED, calls, crossings,
+};
 use super::{create_instance, fake};
 use crate::config::{Config, ConfigSnapshot, RatesBackend};
 use crate::link::{BACKEND_ANY, BACKEND_NONE, NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
@@ -31,8 +33,8 @@ use std::time::Duration;
 #[test]
 fn the_vulkan_half_learns_what_is_wanted_before_the_first_frame() {
     session_of_tests();
-    let settings = Told::Settings { is_on: 1, backend: BACKEND_ANY, passes: String::new() };
-    assert_eq!(told(), [Told::Active(true), settings]);
+    let settings = Crossing::Settings { is_on: 1, backend: BACKEND_ANY, passes: String::new() };
+    assert_eq!(crossings(), [Crossing::Active(true), settings]);
 }
 
 #[test]
@@ -65,14 +67,15 @@ fn a_frame_has_one_configuration() {
     application.locate();
     assert_eq!(plans().len(), 1, "rates are on in this frame");
     application.end(&[application.view(0), application.view(1)], None);
-    let is_off = |told: &Told| matches!(told, Told::Settings { is_on: 0, backend: BACKEND_NONE, .. });
-    assert!(!told().iter().any(is_off));
+    let is_off =
+        |received: &Crossing| matches!(received, Crossing::Settings { is_on: 0, backend: BACKEND_NONE, .. });
+    assert!(!crossings().iter().any(is_off));
     look(-15.0);
     application.begin();
     application.locate();
-    let told = told();
-    assert!(told.iter().any(is_off), "{told:?}");
-    assert!(!told.iter().any(|told| matches!(told, Told::Plan { .. })), "{told:?}");
+    let received = crossings();
+    assert!(received.iter().any(is_off), "{received:?}");
+    assert!(!received.iter().any(|received| matches!(received, Crossing::Plan { .. })), "{received:?}");
 }
 
 #[test]
@@ -83,9 +86,9 @@ fn a_plan_has_the_size_of_what_is_shown_and_serials_rise() {
     application.locate();
     assert_eq!(plans(), [], "nothing was shown yet");
     application.end(&[application.view(0), application.view(1)], None);
-    let first = told();
-    let Some(Told::Plan { serial, extents, rates }) =
-        first.iter().find(|told| matches!(told, Told::Plan { .. }))
+    let first = crossings();
+    let Some(Crossing::Plan { serial, extents, rates }) =
+        first.iter().find(|received| matches!(received, Crossing::Plan { .. }))
     else {
         panic!("no plan: {first:?}")
     };

@@ -271,7 +271,7 @@ impl Pass {
     ) {
         let number = gpu.note_pass(self.target.seen(self.extent, area));
         if let Some(image) = &self.rates {
-            gpu.lay_rates(commands, image, number);
+            gpu.write_rates(commands, image, number);
         }
         let area = vk::Rect2D {
             offset: vk::Offset2D::default(),

@@ -98,9 +98,9 @@ impl Gpu {
         Ok(Some(self.image(&ImageSpec::new(FORMAT, tiles).layers(layers).usage(usage))?))
     }
 
-    /// Makes a rate image the map of a pass, given by number of frame and pass: 1x1 where there is none.
-    pub(super) fn lay_rates(&self, commands: vk::CommandBuffer, image: &Image, number: (u64, usize)) {
-        self.lay(commands, image, number, LAYOUT);
+    /// Writes the map of a pass, given by number of frame and pass, to a rate image: 1x1 if the pass has none.
+    pub(super) fn write_rates(&self, commands: vk::CommandBuffer, image: &Image, number: (u64, usize)) {
+        self.write_map(commands, image, number, LAYOUT);
     }
 
     /// An image for the map of passes of this size, which shaders read.
@@ -114,12 +114,18 @@ impl Gpu {
         self.image(&ImageSpec::new(FORMAT, tiles).usage(usage))
     }
 
-    /// Makes an image for shaders the map of the next pass.
-    pub fn lay_look(&self, commands: vk::CommandBuffer, image: &Image) {
-        self.lay(commands, image, self.next_pass(), vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+    /// Writes the map of the next pass to an image that shaders read.
+    pub fn write_look_map(&self, commands: vk::CommandBuffer, image: &Image) {
+        self.write_map(commands, image, self.next_pass(), vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
     }
 
-    fn lay(&self, commands: vk::CommandBuffer, image: &Image, number: (u64, usize), layout: vk::ImageLayout) {
+    fn write_map(
+        &self,
+        commands: vk::CommandBuffer,
+        image: &Image,
+        number: (u64, usize),
+        layout: vk::ImageLayout,
+    ) {
         let Some(rates) = &self.rates else { return };
         let [width, height] = image.extent;
         let fits = |place: &&Place| place.tiles == [width, height, image.layers];

@@ -94,7 +94,7 @@ impl Foliage {
     pub fn show(&self, app: &App, frame: &Frame, pass: &Pass, view: usize) {
         let gpu = app.gpu;
         if let Some((_, rates)) = &self.look {
-            gpu.lay_look(frame.commands, rates);
+            gpu.write_look_map(frame.commands, rates);
         }
         let draw = |most| match &self.look {
             Some((look, _)) => in_look(app, look, most),

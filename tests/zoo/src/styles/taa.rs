@@ -77,7 +77,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
                 gpu.transition(frame.commands, &old, vk::ImageLayout::UNDEFINED, sampled);
             }
             if let Some((_, map)) = &look {
-                gpu.lay_look(frame.commands, map);
+                gpu.write_look_map(frame.commands, map);
             }
             foliage.show(app, frame, &scene, index);
             let draw = look.map_or(Draw::default(), |(look, _)| in_look(app, &look, look.history));

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A message to the Vulkan half.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Told {
+pub enum Crossing {
     Active(bool),
     Settings { is_on: u32, backend: u32, passes: String },
     Swapchain { swapchain: u64, images: Vec<u64>, extent: [u32; 2], usage: vk::ImageUsageFlags },
@@ -40,7 +40,7 @@ thread_local! {
     /// Time of the frame before last.
     static TIMES: RefCell<Vec<FrameTimeRecord>> = const { RefCell::new(Vec::new()) };
     static CALLS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
-    static TOLD: RefCell<Vec<Told>> = const { RefCell::new(Vec::new()) };
+    static CROSSINGS: RefCell<Vec<Crossing>> = const { RefCell::new(Vec::new()) };
     /// The device of this thread.
     static DEVICE: u64 = DEVICES.fetch_add(1, Ordering::Relaxed);
 }
@@ -48,19 +48,19 @@ thread_local! {
 static DEVICES: AtomicU64 = AtomicU64::new(1);
 
 /// Plans of each device, which a thread of the layer may send.
-static PLANS: Mutex<Vec<(u64, Told)>> = Mutex::new(Vec::new());
+static PLANS: Mutex<Vec<(u64, Crossing)>> = Mutex::new(Vec::new());
 
 /// Messages of this thread since the last call.
-pub fn told() -> Vec<Told> {
+pub fn crossings() -> Vec<Crossing> {
     take_plans();
-    TOLD.take()
+    CROSSINGS.take()
 }
 
 /// Moves the plans of this thread's device to its messages.
 fn take_plans() {
-    let is_mine = |(device, _): &mut (u64, Told)| *device == DEVICE.with(|own| *own);
+    let is_mine = |(device, _): &mut (u64, Crossing)| *device == DEVICE.with(|own| *own);
     let plans: Vec<_> = PLANS.lock().unwrap().extract_if(.., is_mine).collect();
-    plans.into_iter().for_each(|(_, plan)| tell(plan));
+    plans.into_iter().for_each(|(_, plan)| cross(plan));
 }
 
 /// The calls of this thread since the last call of this.
@@ -72,8 +72,8 @@ fn note(call: &'static str) {
     CALLS.with_borrow_mut(|calls| calls.push(call));
 }
 
-fn tell(what: Told) {
-    TOLD.with_borrow_mut(|told| told.push(what));
+fn cross(crossing: Crossing) {
+    CROSSINGS.with_borrow_mut(|received| received.push(crossing));
 }
 
 /// A device with tiles of 16 x 16 pixels and all rates.
@@ -144,7 +144,7 @@ unsafe extern "C" fn device(_: vk::Device, _: *mut DeviceRecord) -> u32 {
 ///
 /// As the call.
 unsafe extern "C" fn set_active(_: vk::Device, active: u32) {
-    tell(Told::Active(active == 1));
+    cross(Crossing::Active(active == 1));
 }
 
 /// # Safety
@@ -231,7 +231,7 @@ unsafe extern "C" fn swapchain(_: vk::Device, record: *const SwapchainRecord) {
     unsafe {
         let SwapchainRecord { swapchain, images, image_count, extent, usage, .. } = *record;
         let images = slice(images, image_count).iter().map(|image| image.as_raw()).collect();
-        tell(Told::Swapchain { swapchain, images, extent, usage });
+        cross(Crossing::Swapchain { swapchain, images, extent, usage });
     }
 }
 
@@ -257,12 +257,12 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
         let passes = unsafe { slice(*passes, *passes_len) };
         IS_ON.set(*is_on == 1);
         let passes = String::from_utf8(passes.to_vec()).unwrap();
-        tell(Told::Settings { is_on: *is_on, backend: *backend, passes });
+        cross(Crossing::Settings { is_on: *is_on, backend: *backend, passes });
     }
     if let Some(PlanRecord { serial, eyes }) = plan {
         // SAFETY: a map has a rate for each tile.
         let rates = eyes.map(|eye| unsafe { slice(eye.rates, eye.tiles[0] * eye.tiles[1]) }.to_vec());
-        let plan = Told::Plan { serial: *serial, extents: eyes.map(|eye| eye.extent), rates };
+        let plan = Crossing::Plan { serial: *serial, extents: eyes.map(|eye| eye.extent), rates };
         PLANS.lock().unwrap().push((device.as_raw(), plan));
     }
 }
@@ -294,7 +294,7 @@ unsafe extern "C" fn end_frame(
     // SAFETY: the other half passes a valid record, and one to write to.
     let report = unsafe {
         let submission = &*submission;
-        tell(Told::Shown {
+        cross(Crossing::Shown {
             views: slice(submission.views, submission.view_count).to_vec(),
             flat: slice(submission.flat, submission.flat_count).to_vec(),
             depth: slice(submission.depth, submission.depth_count).to_vec(),

@@ -108,7 +108,7 @@ impl Application {
         for _ in 0..90 {
             self.frame();
         }
-        told();
+        crossings();
     }
 }
 
@@ -161,9 +161,9 @@ pub(super) fn look(yaw_deg: f32) {
 
 /// The plans since the last call: serial and rates of the left eye.
 pub(super) fn plans() -> Vec<(u64, Vec<u8>)> {
-    let plan = |told| match told {
-        Told::Plan { serial, rates: [left, _], .. } => Some((serial, left)),
+    let plan = |received| match received {
+        Crossing::Plan { serial, rates: [left, _], .. } => Some((serial, left)),
         _ => None,
     };
-    told().into_iter().filter_map(plan).collect()
+    crossings().into_iter().filter_map(plan).collect()
 }

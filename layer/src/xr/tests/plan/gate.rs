@@ -7,10 +7,10 @@ use super::*;
 fn rates_are_left_off_for_a_look() {
     let application = Application::new();
     let looks = |frames: u32| -> Vec<u32> {
-        told();
+        crossings();
         (0..frames).for_each(|_| application.frame());
-        let settings = told().into_iter().filter_map(|told| match told {
-            Told::Settings { is_on, .. } => Some(is_on),
+        let settings = crossings().into_iter().filter_map(|received| match received {
+            Crossing::Settings { is_on, .. } => Some(is_on),
             _ => None,
         });
         // Settings are passed again, too, when times are not needed any more.
@@ -32,10 +32,10 @@ fn rates_that_take_a_gpu_longer_are_dropped() {
         GPU_NS.set(Some(ns));
         PASSES.set(2);
         let application = Application::new();
-        told();
+        crossings();
         (0..400).for_each(|_| application.frame());
-        let settings = told().into_iter().filter_map(|told| match told {
-            Told::Settings { is_on, .. } => Some(is_on),
+        let settings = crossings().into_iter().filter_map(|received| match received {
+            Crossing::Settings { is_on, .. } => Some(is_on),
             _ => None,
         });
         let settings: Vec<u32> = settings.collect();

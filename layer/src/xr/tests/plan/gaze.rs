@@ -78,7 +78,7 @@ fn a_packet_that_comes_between_begin_and_locate_is_in_the_plan_before_the_applic
         tracker.look(-30.0);
         application.frame();
     }
-    told();
+    crossings();
     let left_edge = 16 * 32;
     tracker.look(-30.0);
     application.begin();

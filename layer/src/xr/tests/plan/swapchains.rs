@@ -5,32 +5,32 @@ use super::*;
 #[test]
 fn images_are_told_once_and_their_end_before_it_comes() {
     let application = Application::new();
-    told();
+    crossings();
     let swapchain = application.swapchain;
     let mut count = 0;
     // SAFETY: valid arguments, to count.
     unsafe { swapchain::enumerate_images(swapchain, 0, &mut count, ptr::null_mut()) };
-    assert_eq!(told(), [], "only counted");
+    assert_eq!(crossings(), [], "only counted");
     // SAFETY: the structures are plain data, for which all zero is a valid value.
     let mut images: [xr::SwapchainImageVulkanKHR; 3] = unsafe { std::mem::zeroed() };
     images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
     for expected in [true, false] {
         // SAFETY: valid arguments: as many structures as the capacity states.
         unsafe { swapchain::enumerate_images(swapchain, 3, &mut count, images.as_mut_ptr().cast()) };
-        let told = told();
-        assert_eq!(!told.is_empty(), expected, "{told:?}");
-        let record = Told::Swapchain {
+        let received = crossings();
+        assert_eq!(!received.is_empty(), expected, "{received:?}");
+        let record = Crossing::Swapchain {
             swapchain: swapchain.into_raw(),
             images: IMAGES.to_vec(),
             extent: [SIDE as u32 * 2, SIDE as u32],
             usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
         };
-        assert!(told.iter().all(|told| *told == record), "{told:?}");
+        assert!(received.iter().all(|received| *received == record), "{received:?}");
     }
     // SAFETY: a live swapchain, not used after this.
     assert_eq!(unsafe { swapchain::destroy(swapchain) }, xr::Result::SUCCESS);
-    let told = told();
-    let [Told::Swapchain { images, .. }] = &told[..] else { panic!("{told:?}") };
+    let received = crossings();
+    let [Crossing::Swapchain { images, .. }] = &received[..] else { panic!("{received:?}") };
     assert!(images.is_empty());
 }
 
@@ -54,8 +54,8 @@ fn what_is_shown_is_told_with_the_image_that_was_released_last() {
     views[1].next = ptr::from_ref(&depth_info).cast();
     views[1].fov = xr::Fovf { angle_up: -EDGE, angle_down: EDGE, ..fov() };
     let shown = || {
-        told().into_iter().find_map(|told| match told {
-            Told::Shown { views, flat, depth } => Some((views, flat, depth)),
+        crossings().into_iter().find_map(|received| match received {
+            Crossing::Shown { views, flat, depth } => Some((views, flat, depth)),
             _ => None,
         })
     };
@@ -103,9 +103,11 @@ fn a_session_that_ends_takes_its_images_along() {
         let mut images: [xr::SwapchainImageVulkanKHR; 3] = std::mem::zeroed();
         images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
         swapchain::enumerate_images(application.swapchain, 3, &mut count, images.as_mut_ptr().cast());
-        told();
+        crossings();
         assert_eq!(session::destroy(application.session), xr::Result::SUCCESS);
     }
-    let told = told();
-    assert!(matches!(&told[..], [Told::Swapchain { images, .. }, Told::Active(false)] if images.is_empty()));
+    let received = crossings();
+    assert!(
+        matches!(&received[..], [Crossing::Swapchain { images, .. }, Crossing::Active(false)] if images.is_empty())
+    );
 }
