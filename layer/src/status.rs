@@ -101,11 +101,11 @@ impl StatusReporter {
 
     /// Takes the newest status; in the rare case that the last is being written, it is not taken.
     pub fn report(&self, snapshot: StatusSnapshot, settings: Arc<Settings>) {
-        if let Ok(mut told) = self.0.settings.try_lock() {
-            *told = settings;
+        if let Ok(mut last) = self.0.settings.try_lock() {
+            *last = settings;
         }
-        if let Ok(mut told) = self.0.snapshot.try_lock() {
-            *told = snapshot;
+        if let Ok(mut last) = self.0.snapshot.try_lock() {
+            *last = snapshot;
             self.0.is_asked.store(false, Ordering::Relaxed);
         }
     }

@@ -110,12 +110,19 @@ impl Default for StatusSnapshot {
 }
 
 /// Status of a gate.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct GateStatus {
     mode: GateMode,
     is_kept: bool,
     is_on_trial: bool,
     ratio: Option<[f32; 3]>,
+}
+
+impl Default for GateStatus {
+    /// Before the first frame: nothing is dropped.
+    fn default() -> Self {
+        Self { mode: GateMode::default(), is_kept: true, is_on_trial: false, ratio: None }
+    }
 }
 
 impl GateStatus {
@@ -273,6 +280,13 @@ fn rounded(value: f32, parts: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nothing_is_dropped_before_the_first_frame() {
+        let mut status = Status::default();
+        StatusSnapshot::default().write_to(&mut status);
+        assert!(status.frames == 0 && status.rates_gate.is_kept && status.reuse_gate.is_kept, "{status:?}");
+    }
 
     #[test]
     fn rates_are_told_as_passes_obeyed_them() {
