@@ -67,7 +67,7 @@ pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, shown: &mut Plane<Show
 /// One tile with its contrast restored.
 ///
 /// As long as the finest surviving octave changes little, so does the picture: the lost octaves stay as they were. Changes of that octave at
-/// the same rate beyond noise scale them, and come from another picture at this place, as while the head turns: frame by frame the lost octaves
+/// the same rate beyond noise scale them, and count as another picture at this place, as while the head turns: frame by frame the lost octaves
 /// approach their estimates ([`extrapolate`]). After a large change they are estimates at once. So is the finest
 /// surviving octave: detail that blocks fold into it would refine the tile, and be gone at the finer rate.
 pub fn restored(

@@ -397,6 +397,17 @@ fn detail_that_drifts_into_coarse_tiles_is_expected() {
     assert!(missed * 20 < detailed, "{missed} of {detailed} tiles with detail");
 }
 
+/// Known contrast of a tile with the contrast `fine` after frames at `rate`, each with its factor of `noise`.
+fn known_after(fine: [f32; BANDS], noise: &[f32], rate: ShadingRate) -> TileContrast {
+    let (mut known, mut shown) = (tile(fine), Shown::default());
+    for factor in noise {
+        let mut measured = fine.map(|band| band * factor);
+        measured[..survivor(rate)].fill(0.0);
+        (known, shown) = restored(tile(measured), known, shown, rate);
+    }
+    known
+}
+
 proptest! {
     #[test]
     fn tiles_at_full_rate_have_the_measured_contrast(
@@ -411,13 +422,7 @@ proptest! {
     #[test]
     fn a_coarse_tile_remembers(fine in prop::array::uniform4(0.2..2.0f32), noise in prop::collection::vec(0.9..1.1f32, 1..200), rate in 0usize..6) {
         let rate = VULKAN_RATES[rate];
-        let (mut known, mut shown) = (tile(fine), Shown::default());
-        let survivor = survivor(rate);
-        for factor in &noise {
-            let mut measured = fine.map(|band| band * factor);
-            measured[..survivor].fill(0.0);
-            (known, shown) = restored(tile(measured), known, shown, rate);
-        }
+        let (known, survivor) = (known_after(fine, &noise, rate), survivor(rate));
         if survivor > 0 {
             prop_assert_eq!(&known.bands[..=survivor], &fine[..=survivor]);
         }
@@ -427,13 +432,7 @@ proptest! {
     #[test]
     fn a_coarse_tile_stays_between_its_past_and_its_estimate(fine in prop::array::uniform4(0.2..2.0f32), noise in prop::collection::vec(0.8..1.25f32, 1..200), rate in 0usize..6) {
         let rate = VULKAN_RATES[rate];
-        let (mut known, mut shown) = (tile(fine), Shown::default());
-        let survivor = survivor(rate);
-        for factor in &noise {
-            let mut measured = fine.map(|band| band * factor);
-            measured[..survivor].fill(0.0);
-            (known, shown) = restored(tile(measured), known, shown, rate);
-        }
+        let (known, survivor) = (known_after(fine, &noise, rate), survivor(rate));
         let mut survived = fine;
         survived[..survivor].fill(0.0);
         let estimated = extrapolate(tile(survived), rate).bands;
