@@ -323,8 +323,8 @@ impl Gpu {
         if self.is_abandoned() {
             return false;
         }
-        let commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
-        commands.as_ref().is_some_and(|ring| ring.is_finished(&self.device, submit))
+        let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        commands.as_mut().is_some_and(|ring| ring.is_finished(&self.device, submit))
     }
 
     /// Whether the GPU still works on a submit; not where the device is lost or hangs. Waits for nothing.

@@ -47,6 +47,8 @@ pub(super) struct CommandRing {
     slots: [Slot; SUBMITS_IN_FLIGHT],
     /// Number of the last submit; they count from 1.
     last_submit: u64,
+    /// The submits up to this number are known to have finished.
+    last_finished: u64,
     /// Whether the wait for a submit timed out: until it has finished, it is not waited for again.
     is_behind: bool,
     times: SubmitTimes,
@@ -68,7 +70,8 @@ impl CommandRing {
         let pool = unsafe { device.create_command_pool(&pool_info, None) }
             .map_err(GpuError::from_call("vkCreateCommandPool"))?;
         let slots = Default::default();
-        let mut ring = Self { pool, record: *record, slots, last_submit: 0, is_behind: false, times };
+        let mut ring =
+            Self { pool, record: *record, slots, last_submit: 0, last_finished: 0, is_behind: false, times };
         // SAFETY: as above; the pool is new.
         match unsafe { ring.fill(device) } {
             Ok(()) => Ok(ring),
@@ -99,8 +102,13 @@ impl CommandRing {
     /// The slot of the next submit, once its last one has finished. See [`Gpu::next_submit`].
     pub(super) fn free_slot(&mut self, device: &ash::Device) -> Result<SlotIndex, GpuError> {
         let index = ((self.last_submit + 1) % SUBMITS_IN_FLIGHT as u64) as usize;
-        if self.slots[index].submit != 0 {
-            self.wait_for_slot(device, self.slots[index].fence)?;
+        let submit = self.slots[index].submit;
+        if submit != 0 {
+            // Where the newest submit has finished, as on a device that keeps up, the next frames need no call.
+            if submit > self.last_finished && !self.is_finished(device, self.last_submit) {
+                self.wait_for_slot(device, self.slots[index].fence)?;
+                self.last_finished = submit;
+            }
             self.times.finished(device, index);
         }
         Ok(SlotIndex(index))
@@ -263,19 +271,25 @@ impl CommandRing {
         }
     }
 
-    /// Whether a submit has finished. Waits for nothing.
-    pub(super) fn is_finished(&self, device: &ash::Device, submit: u64) -> bool {
-        let Some(slot) = self.slots.iter().find(|slot| slot.submit == submit && submit != 0) else {
+    /// Whether a submit has finished, and with it all earlier ones. Waits for nothing.
+    pub(super) fn is_finished(&mut self, device: &ash::Device, submit: u64) -> bool {
+        if submit <= self.last_finished {
+            return true;
+        }
+        let Some(slot) = self.slots.iter().find(|slot| slot.submit == submit) else {
             return submit <= self.last_submit;
         };
         // SAFETY: the fence belongs to the ring of this live device, and was submitted.
-        let status = unsafe { device.get_fence_status(slot.fence) };
-        status == Ok(true)
+        let is_finished = unsafe { device.get_fence_status(slot.fence) } == Ok(true);
+        if is_finished {
+            self.last_finished = submit;
+        }
+        is_finished
     }
 
     /// Whether the GPU still works on a submit, as far as that can be known. Waits for nothing.
     pub(super) fn is_under_way(&self, device: &ash::Device, submit: u64) -> bool {
-        let slot = self.slots.iter().find(|slot| slot.submit == submit && submit != 0);
+        let slot = self.slots.iter().find(|slot| slot.submit == submit && submit > self.last_finished);
         // SAFETY: the fence belongs to the ring of this live device, and was submitted.
         slot.is_some_and(|slot| unsafe { device.get_fence_status(slot.fence) } == Ok(false))
     }

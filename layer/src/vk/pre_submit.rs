@@ -13,12 +13,16 @@ use crate::link::DeviceRecord;
 use ash::vk;
 use smallvec::SmallVec;
 use std::any::Any;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Most pending command buffers of ours for a queue: of three frames, each with two submits that draw the scene, and a picture of each eye
 /// that is analysed, and one that is drawn over. Beyond that maps stay as they are, unless they have no content yet, or leave something
 /// out, and pictures are left out.
 const MOST_SLOTS: usize = 24;
+
+/// Command buffers that are made before any of them is looked at: the submits of a frame.
+const LEAST_SLOTS: usize = 4;
 
 /// Memory and objects that a submit of ours uses until the GPU is done with them.
 pub type Kept = SmallVec<[Arc<dyn Any + Send + Sync>; 20]>;
@@ -53,12 +57,14 @@ impl Submitter<'_> {
 pub struct PreSubmitRing {
     family: u32,
     slots: Mutex<Vec<Slot>>,
+    /// Number of the newest submit.
+    newest: AtomicU64,
 }
 
 impl PreSubmitRing {
     /// For a queue of that family.
     pub fn new(family: u32) -> Self {
-        Self { family, slots: Mutex::default() }
+        Self { family, ..Self::default() }
     }
 
     /// Submits the commands of `record`, of which `kept` has to live until they have finished, if there is room; never waits. Whether that
@@ -94,10 +100,14 @@ impl PreSubmitRing {
         // Taken out, so that no lock is held across a call down. A queue is one thread's at a time; where that rule is
         // broken, the other thread finds none and makes one.
         let mut slots = std::mem::take(&mut *self.lock());
-        slots.iter_mut().for_each(|slot| slot.poll(&own.functions.device));
+        let free_slot = |slots: &[Slot]| slots.iter().position(|slot| slot.pending().is_none());
+        let mut free = free_slot(&slots);
+        if free.is_none() && slots.len() >= LEAST_SLOTS {
+            find_finished(&mut slots, &own.functions.device);
+            free = free_slot(&slots);
+        }
         // Read before the slots' timestamps are overwritten.
         own.timing.read();
-        let mut free = slots.iter().position(|slot| !slot.is_pending());
         if free.is_none() && (is_urgent || slots.len() < MOST_SLOTS) {
             // SAFETY: the device is live and has queues of this family.
             match unsafe { Slot::new(own, self.family) } {
@@ -109,6 +119,7 @@ impl PreSubmitRing {
             }
         }
         let done = free.and_then(|index| slots.get_mut(index)).is_some_and(|slot| {
+            slot.set_number(self.newest.fetch_add(1, Ordering::Relaxed) + 1);
             act(slot).inspect_err(|error| error.log("shading rates stay unchanged")).is_ok()
         });
         self.put_back(slots);
@@ -125,7 +136,7 @@ impl PreSubmitRing {
     /// Lets go of all that the GPU is done with: no submit may follow for long.
     pub fn poll(&self, functions: &Functions) {
         let mut slots = std::mem::take(&mut *self.lock());
-        slots.iter_mut().for_each(|slot| slot.poll(&functions.device));
+        find_finished(&mut slots, &functions.device);
         self.put_back(slots);
     }
 
@@ -145,6 +156,22 @@ impl PreSubmitRing {
 
     fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Slot>> {
         self.slots.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Finishes the slots that the GPU is done with. The fences of a queue are signalled in the order of its submits: on a device that keeps up,
+/// that of the newest answers for all; on another, the search ends at the oldest unfinished one.
+fn find_finished(slots: &mut [Slot], device: &ash::Device) {
+    let mut pending: SmallVec<[(u64, usize); MOST_SLOTS]> =
+        slots.iter().enumerate().filter_map(|(index, slot)| Some((slot.pending()?, index))).collect();
+    pending.sort_unstable();
+    let Some(&(_, newest)) = pending.last() else { return };
+    let have_all_finished = slots[newest].has_finished(device);
+    for (_, index) in pending {
+        if !have_all_finished && !slots[index].has_finished(device) {
+            return;
+        }
+        slots[index].finish();
     }
 }
 

@@ -1,4 +1,4 @@
-//! Failures of the device.
+//! Devices that fail or are behind, and calls about submits under way.
 
 use crate::pictures::region;
 use crate::swapchain::{Swapchain, shape};
@@ -27,7 +27,7 @@ static WAITS: AtomicU32 = AtomicU32::new(0);
 #[test]
 fn a_device_that_is_behind_is_used_again_once_it_comes() {
     let vulkan = Vulkan::with(|mut record| {
-        NEXT.set(record.next_get_device_proc_addr).unwrap();
+        NEXT.get_or_init(|| record.next_get_device_proc_addr);
         record.next_get_device_proc_addr = with_late_fences;
         record
     });
@@ -81,6 +81,20 @@ unsafe extern "system" fn wait_late(
         WAITS.fetch_add(1, Relaxed);
         return vk::Result::TIMEOUT;
     }
+    // SAFETY: the arguments are the caller's.
+    unsafe { next_wait(device, count, fences, all, timeout) }
+}
+
+/// # Safety
+///
+/// The valid usage of vkWaitForFences.
+unsafe fn next_wait(
+    device: vk::Device,
+    count: u32,
+    fences: *const vk::Fence,
+    all: vk::Bool32,
+    timeout: u64,
+) -> vk::Result {
     // SAFETY: the device has that function, of this type, and the arguments are the caller's.
     unsafe {
         let next = NEXT.get().unwrap()(device, c"vkWaitForFences".as_ptr()).unwrap();
@@ -93,12 +107,86 @@ unsafe extern "system" fn status_late(device: vk::Device, fence: vk::Fence) -> v
     if BEHIND.load(Relaxed) {
         return vk::Result::NOT_READY;
     }
-    // SAFETY: as above.
+    // SAFETY: the arguments are the caller's.
+    unsafe { next_status(device, fence) }
+}
+
+/// # Safety
+///
+/// The valid usage of vkGetFenceStatus.
+unsafe fn next_status(device: vk::Device, fence: vk::Fence) -> vk::Result {
+    // SAFETY: the device has that function, of this type, and the arguments are the caller's.
     unsafe {
         let next = NEXT.get().unwrap()(device, c"vkGetFenceStatus".as_ptr()).unwrap();
         let next: vk::PFN_vkGetFenceStatus = std::mem::transmute(next);
         next(device, fence)
     }
+}
+
+/// Number of calls about fences of [`a_device_that_keeps_up_is_asked_about_a_third_of_the_submits`].
+static ASKED: AtomicU32 = AtomicU32::new(0);
+
+/// The newest submit answers for the earlier ones.
+#[test]
+fn a_device_that_keeps_up_is_asked_about_a_third_of_the_submits() {
+    let vulkan = Vulkan::with(|mut record| {
+        NEXT.get_or_init(|| record.next_get_device_proc_addr);
+        record.next_get_device_proc_addr = with_counted_fences;
+        record
+    });
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    let format = vk::Format::R8G8B8A8_SRGB;
+    let swapchain = Swapchain::new(&vulkan, &shape(format, 64, 64, 1));
+    let regions = [region(0, [0, 0, 64, 64], Vec3::NEG_Z, format, &ChromaSettings::default())];
+    let mut submit = || {
+        compose.submit(&[swapchain.job(0, &regions)]).unwrap();
+        // SAFETY: the device is live, and no other thread uses its queues.
+        unsafe { vulkan.device.device_wait_idle() }.unwrap();
+    };
+    (0..3).for_each(|_| submit());
+    ASKED.store(0, Relaxed);
+    (0..30).for_each(|_| submit());
+    assert_eq!(ASKED.load(Relaxed), 10);
+    drop((compose, swapchain));
+    vulkan.assert_valid();
+}
+
+unsafe extern "system" fn with_counted_fences(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: names are C strings, the device is live, and the functions have the types of these names.
+    unsafe {
+        match CStr::from_ptr(name) {
+            name if name == c"vkWaitForFences" => Some(std::mem::transmute::<
+                vk::PFN_vkWaitForFences,
+                unsafe extern "system" fn(),
+            >(counted_wait)),
+            name if name == c"vkGetFenceStatus" => Some(std::mem::transmute::<
+                vk::PFN_vkGetFenceStatus,
+                unsafe extern "system" fn(),
+            >(counted_status)),
+            _ => NEXT.get().unwrap()(device, name),
+        }
+    }
+}
+
+unsafe extern "system" fn counted_wait(
+    device: vk::Device,
+    count: u32,
+    fences: *const vk::Fence,
+    all: vk::Bool32,
+    timeout: u64,
+) -> vk::Result {
+    ASKED.fetch_add(1, Relaxed);
+    // SAFETY: the arguments are the caller's.
+    unsafe { next_wait(device, count, fences, all, timeout) }
+}
+
+unsafe extern "system" fn counted_status(device: vk::Device, fence: vk::Fence) -> vk::Result {
+    ASKED.fetch_add(1, Relaxed);
+    // SAFETY: the arguments are the caller's.
+    unsafe { next_status(device, fence) }
 }
 
 /// A function that we call is missing: that is said beforehand, where ash would panic on its call.

@@ -51,6 +51,17 @@ fn all() -> Vec<HardwarePoint> {
         let least = if [0, 2, 8].contains(&pair) { Quick } else { All };
         points.push(point(Sweep::FixedFoveation, &name, Rates::Fixed(map), least));
     }
+    // For shares at the losses of the presets, which the paper's pairs exceed.
+    for (times, least) in [(1.5, Full), (2.0, Full), (3.0, All)] {
+        let FixedFoveation { foveal_deg, transitional_deg, .. } = FixedFoveation::L1_C1;
+        let map = FixedFoveation {
+            foveal_deg: times * foveal_deg,
+            transitional_deg: times * transitional_deg,
+            ..FixedFoveation::L1_C1
+        };
+        let name = format!("FR L1-C1 of the paper with radii x {times}");
+        points.push(point(Sweep::FixedFoveation, &name, Rates::Fixed(map), least));
+    }
     for (name, map) in [
         ("wide", ScreenEllipses::WIDE),
         ("balanced", ScreenEllipses::BALANCED),

@@ -8,6 +8,7 @@
 
 pub mod advice;
 mod bits;
+mod equal_loss;
 mod estimates;
 pub mod gpu;
 pub mod hardware;

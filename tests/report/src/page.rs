@@ -8,7 +8,7 @@ use crate::points::Sweep;
 use crate::results::{Bits, Conditions, Errors, Fine, HardCase, Results, SceneResults};
 use crate::statistics::Bootstrap;
 use crate::summary::{Row, mean_rows, scene_rows};
-use crate::table::{cells, hardware_rows, hardware_titles, titles};
+use crate::table::{cells, equal_loss_rows, equal_loss_titles, hardware_rows, hardware_titles, titles};
 use crate::verdict::{Contest, Measure, OURS, RIVALS, Tally, Verdict, contest, tallies, why_not};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parafovea_errors::RING_NAMES;
@@ -256,6 +256,12 @@ fn hardware(results: &Results, contests: &Contests<'_>) -> Markup {
         table {
             tr { @for title in hardware_titles(results) { th { (title) } } }
             @for row in hardware_rows(results) {
+                tr { @for cell in row { td { (cell) } } }
+            }
+        }
+        table {
+            tr { @for title in equal_loss_titles() { th { (title) } } }
+            @for row in equal_loss_rows(results) {
                 tr { @for cell in row { td { (cell) } } }
             }
         }

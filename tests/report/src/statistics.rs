@@ -6,4 +6,4 @@ mod front;
 
 pub use bd_rate::{BdRateError, RatePoint, bd_rate};
 pub use bootstrap::{Bootstrap, Interval};
-pub use front::{AtCost, CostAndLoss, front, loss_at};
+pub use front::{AtCost, CostAndLoss, cost_at, front, loss_at};

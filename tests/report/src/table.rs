@@ -1,5 +1,6 @@
 //! The tables, as Markdown, CSV and lines of JSON; the page has the same cells.
 
+use crate::equal_loss::{EqualLoss, at_equal_loss};
 use crate::estimates;
 use crate::page::contests;
 use crate::results::{PointResults, Results, mean};
@@ -94,6 +95,19 @@ pub fn hardware_rows(results: &Results) -> Vec<Vec<String>> {
     techniques.map(|point| row(&point.technique)).collect()
 }
 
+/// The titles of the table of shares at equal loss.
+pub fn equal_loss_titles() -> [&'static str; 4] {
+    ["pixels of FR of the paper at equal loss", "measure", "x ours, geometric mean", "least of the scenes"]
+}
+
+/// Its rows.
+pub fn equal_loss_rows(results: &Results) -> Vec<[String; 4]> {
+    let row = |EqualLoss { technique, loss, ratio, least }: EqualLoss| {
+        [technique, loss.text().to_owned(), format!("{ratio:.2}"), format!("{least:.2}")]
+    };
+    at_equal_loss(&results.hardware).into_iter().map(row).collect()
+}
+
 /// The same as Markdown, with the number of scenes won at an equal share of shaded pixels.
 fn hardware_markdown(results: &Results) -> String {
     if results.hardware.is_empty() {
@@ -110,6 +124,11 @@ fn hardware_markdown(results: &Results) -> String {
     for tally in tallies(&contests(&results.hardware)) {
         let Tally { technique, rival, measure, .. } = &tally;
         text += &format!("| {technique} | {} | {} | {} |\n", rival.title(), measure.text(), tally.text());
+    }
+    let titles = equal_loss_titles();
+    text += &format!("\n| {} |\n|---|---|---:|---:|\n", titles.join(" | "));
+    for row in equal_loss_rows(results) {
+        text += &format!("| {} |\n", row.join(" | "));
     }
     text + "\n"
 }

@@ -26,7 +26,10 @@ pub struct Slot {
     timer: Timer,
     /// The kind of the recorded work.
     work: Work,
-    is_pending: bool,
+    /// Number of the next submit among those to the queue.
+    number: u64,
+    /// Number of the last submit, as long as the GPU may work on it.
+    pending: Option<u64>,
 }
 
 /// A buffer that stays mapped.
@@ -67,7 +70,8 @@ impl Slot {
             kept: Kept::new(),
             timer: own.timing.own_timer(own.functions, family),
             work: Work::Maps,
-            is_pending: false,
+            number: 0,
+            pending: None,
         };
         // SAFETY: the pool is a new one of the live device.
         match unsafe { slot.make(own, device) } {
@@ -101,29 +105,33 @@ impl Slot {
         Ok(())
     }
 
-    /// Whether the GPU may still work on it.
-    pub fn is_pending(&self) -> bool {
-        self.is_pending
+    /// Sets the number of its next submit, which rises with each submit to the queue.
+    pub fn set_number(&mut self, number: u64) {
+        self.number = number;
     }
 
-    /// Looks whether the GPU is done with it.
-    pub fn poll(&mut self, device: &ash::Device) {
+    /// Number of its last submit; `None` if the GPU is known to be done with it.
+    pub fn pending(&self) -> Option<u64> {
+        self.pending
+    }
+
+    /// Whether the GPU is done with its submit.
+    pub fn has_finished(&self, device: &ash::Device) -> bool {
         // SAFETY: the fence is one of this live device.
-        if self.is_pending && unsafe { device.get_fence_status(self.fence) } == Ok(true) {
-            self.done();
-        }
+        self.pending.is_none() || unsafe { device.get_fence_status(self.fence) } == Ok(true)
     }
 
     /// Waits until the GPU is done with it, if it may still work on it.
     pub fn wait(&mut self, device: &ash::Device) {
         // SAFETY: the fence is one of this live device.
-        if self.is_pending && unsafe { wait_fence(device, self.fence) }.is_ok() {
-            self.done();
+        if self.pending.is_some() && unsafe { wait_fence(device, self.fence) }.is_ok() {
+            self.finish();
         }
     }
 
-    fn done(&mut self) {
-        self.is_pending = false;
+    /// The GPU is done with it.
+    pub fn finish(&mut self) {
+        self.pending = None;
         self.kept.clear();
     }
 
@@ -203,7 +211,7 @@ impl Slot {
         }
         own.timing.submitted(&self.timer, own.frame.log().frame(), self.work);
         self.kept = kept;
-        self.is_pending = true;
+        self.pending = Some(self.number);
         Ok(())
     }
 
@@ -212,7 +220,7 @@ impl Slot {
         // SAFETY: fence and pool are of this live device, of which the application uses no queue any more; after the wait nothing
         // is in use.
         unsafe {
-            if self.is_pending && wait_fence(device, self.fence).is_err() && !wait_device(device) {
+            if self.pending.is_some() && wait_fence(device, self.fence).is_err() && !wait_device(device) {
                 std::mem::forget(std::mem::take(&mut self.timer));
                 self.kept.drain(..).for_each(std::mem::forget);
                 return;

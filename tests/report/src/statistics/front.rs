@@ -58,6 +58,17 @@ pub fn loss_at(points: &[CostAndLoss], cost: f64) -> Option<AtCost> {
     }))
 }
 
+/// Least cost of a sweep at a loss of at most `loss`: that of its [`front`], interpolated as in [`loss_at`]; for greater losses than that of
+/// its cheapest point, the cost of that point. `None` if every point loses more.
+pub fn cost_at(points: &[CostAndLoss], loss: f64) -> Option<f64> {
+    let front = front(points);
+    let reached = front.iter().position(|&index| points[index].loss <= loss)?;
+    let to = points[front[reached]];
+    let Some(from) = reached.checked_sub(1).map(|before| points[front[before]]) else { return Some(to.cost) };
+    let into = (from.loss - loss) / (from.loss - to.loss);
+    Some(from.cost * (to.cost / from.cost).powf(into))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,6 +93,18 @@ mod tests {
         assert_eq!(loss_at(&sweep, 0.5), Some(AtCost::Loss(4.0)));
         assert_eq!(loss_at(&sweep, 0.25), Some(AtCost::Loss(8.0)));
         assert_eq!(loss_at(&sweep, 1.0), Some(AtCost::Loss(0.0)));
+    }
+
+    #[test]
+    fn costs_and_losses_are_of_one_line() {
+        let sweep = points(&[(1.0, 0.0), (0.25, 8.0), (0.4, 9.0), (0.5, 3.0)]);
+        for cost in [0.25, 0.3, 0.5, 0.8, 1.0] {
+            let Some(AtCost::Loss(loss)) = loss_at(&sweep, cost) else { panic!("out of reach") };
+            let found = cost_at(&sweep, loss).unwrap();
+            assert!((found - cost).abs() < 1e-12, "{found}, not {cost}");
+        }
+        assert_eq!(cost_at(&sweep, 20.0), Some(0.25));
+        assert_eq!(cost_at(&points(&[(0.5, 3.0)]), 2.0), None);
     }
 
     #[test]
