@@ -63,7 +63,7 @@ pub struct Run {
     library: Option<PathBuf>,
     copies: bool,
     offers_gaze: bool,
-    ears: bool,
+    has_audio_library: bool,
     validation: bool,
     test_layers: Vec<TestLayer>,
     two_queues: bool,
@@ -84,7 +84,7 @@ impl Run {
             library: None,
             copies: false,
             offers_gaze: false,
-            ears: false,
+            has_audio_library: false,
             validation: false,
             test_layers: Vec::new(),
             two_queues: false,
@@ -129,9 +129,9 @@ impl Run {
     ///
     /// # Errors
     /// [`HarnessError::NotBuilt`].
-    pub fn with_ears(mut self) -> Result<Self, HarnessError> {
+    pub fn with_audio_library(mut self) -> Result<Self, HarnessError> {
         Library::Audio.path()?;
-        self.ears = true;
+        self.has_audio_library = true;
         Ok(self)
     }
 
@@ -306,9 +306,9 @@ impl Run {
     }
 
     fn halves(&self, folder: &Path) -> Result<Halves, HarnessError> {
-        let library = match (&self.library, self.ears) {
+        let library = match (&self.library, self.has_audio_library) {
             (Some(library), _) => library.clone(),
-            (None, true) => link_with_ears(folder)?,
+            (None, true) => link_with_audio_library(folder)?,
             (None, false) => Library::Parafovea.path()?,
         };
         let mut halves = Halves {
@@ -336,7 +336,7 @@ impl Run {
 }
 
 /// Puts the layer and the library that listens beside each other, as they are installed.
-fn link_with_ears(folder: &Path) -> Result<PathBuf, HarnessError> {
+fn link_with_audio_library(folder: &Path) -> Result<PathBuf, HarnessError> {
     let link = |from: PathBuf, name: &str| {
         let to = folder.join(name);
         std::fs::hard_link(&from, &to).map_err(HarnessError::file(&to)).map(|()| to)

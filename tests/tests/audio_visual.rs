@@ -167,7 +167,8 @@ impl Listening {
         let application = Application::ours("parafovea-scene", arguments).unwrap();
         let scenario = Scenario::new(frames).sized(256, 224).saving(&[frames - 1]);
         let configured = |run: Run| {
-            let run = run.with_ears().unwrap().validated().shading_rates(ShadingRateProfile::NvkTuring);
+            let run =
+                run.with_audio_library().unwrap().validated().shading_rates(ShadingRateProfile::NvkTuring);
             run.on(config).env("PARAFOVEA_FEATURES_FILE", &heard).timeout(Duration::from_secs(900))
         };
         let player = Player::alone(&application, scenario, configured).unwrap();
@@ -313,7 +314,7 @@ fn rings_from_the_gpu_are_those_of_the_cpu() {
     }
     let picture_of = |mode: &str, rest: &str| {
         let rest = format!("backend = \"mask\"\n{rest}");
-        let outcome = finish(scene(FRAMES).with_ears().unwrap().on(&config(mode, &rest)), FRAMES);
+        let outcome = finish(scene(FRAMES).with_audio_library().unwrap().on(&config(mode, &rest)), FRAMES);
         assert!(!outcome.log.contains(FALLS_BACK), "{}", outcome.log);
         assert!(outcome.log.contains(": masked"), "{}", outcome.log);
         assert_valid(&outcome, &reference);

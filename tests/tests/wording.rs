@@ -42,7 +42,7 @@ const SOURCES: [&str; 15] = [
     "manifest/cli/src",
     "manifest/src",
     "tests/dev/src",
-    "tests/ears/src",
+    "tests/sound/src",
     "tests/errors/src",
     "tests/fuzz/src",
     "tests/report/src",

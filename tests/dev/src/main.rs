@@ -61,7 +61,6 @@ Usage: cargo dev TASK, in any folder of the repository
                         break-even (pixel cost above which the layer saves time),
                         budget (shading and loss of methods that choose rates),
                         detail (errors of foliage and histories, by rule, at rest and after a gaze step),
-                        ears (cost and latency of sound capture),
                         frame (saving of each technique),
                         gate (decisions of the benefit gate on simulated applications),
                         gaze (errors of the predicted gaze),
@@ -73,6 +72,7 @@ Usage: cargo dev TASK, in any folder of the repository
                         recognition (precision and recall on frame graphs of engines),
                         reuse (errors of temporal re-use during head rotation),
                         safety (shading and loss of contrast while the eyes move),
+                        sound (cost and latency of sound capture),
                         status (cost of `parafovea status`)
   bench --compare REV [ARGUMENTS]
                         run the benchmark `frame` on the working tree and on commit REV, in turns: ratios with their spread
@@ -91,7 +91,7 @@ Usage: cargo dev TASK, in any folder of the repository
   soak churn [--minutes N] [STYLE]
                         start and end sessions that make and destroy all that they draw to, at changing sizes, with every technique on, for an hour,
                         or N minutes, in many rendering styles or one: the layer's memory and objects must not grow
-  soak ears [--seconds N]
+  soak sound [--seconds N]
                         capture sound for an hour, or N seconds: memory must not grow
   help                  print this help
 ";

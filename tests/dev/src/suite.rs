@@ -197,7 +197,7 @@ mod tests {
         assert!(parse(&[], true).unwrap().is_strict);
         let options = parse(&["--strict", "pipewire"], false).unwrap();
         assert!(
-            options.is_strict && options.wants("tests/ears ears pipewire::x") && !options.wants("silence")
+            options.is_strict && options.wants("tests/sound sound pipewire::x") && !options.wants("silence")
         );
         assert!(parse(&["--srtict"], false).is_err() && parse(&["a", "b"], false).is_err());
     }

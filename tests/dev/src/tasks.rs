@@ -15,7 +15,6 @@ const BENCHES: [(&str, &str); 14] = [
     ("break-even", "parafovea-tests"),
     ("budget", "parafovea-models"),
     ("detail", "parafovea-tests"),
-    ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
     ("gaze", "parafovea-models"),
     ("kernels", "parafovea-layer"),
@@ -25,6 +24,7 @@ const BENCHES: [(&str, &str); 14] = [
     ("safety", "parafovea-models"),
     ("recognition", "parafovea-wild"),
     ("reuse", "parafovea-tests"),
+    ("sound", "parafovea-sound"),
     ("status", "parafovea-tests"),
 ];
 
@@ -32,7 +32,7 @@ const BENCHES: [(&str, &str); 14] = [
 const GATE: &str = "gate";
 
 /// The packages that need ALSA's library.
-const AUDIO: [&str; 3] = ["parafovea-audio", "parafovea-ears", "parafovea-fuzz"];
+const AUDIO: [&str; 3] = ["parafovea-audio", "parafovea-sound", "parafovea-fuzz"];
 
 /// The programs of the demo. The shared libraries that it loads are dependencies of the first.
 const DEMO: [&str; 3] = ["parafovea-demo", "parafovea-scene", "parafovea-zoo"];
@@ -251,7 +251,7 @@ const COMPARED: [&str; 4] =
 /// Long checks: an application that starts and ends over and over, one that makes and destroys all that it draws to, or listening for an hour.
 pub fn soak(arguments: &[String]) -> Result<(), String> {
     let (program, arguments) = match arguments {
-        [first, rest @ ..] if first == "ears" => ("parafovea-soak-ears", rest),
+        [first, rest @ ..] if first == "sound" => ("parafovea-soak-sound", rest),
         [first, rest @ ..] if first == "churn" => ("parafovea-soak-churn", rest),
         all => ("parafovea-soak", all),
     };

@@ -89,7 +89,7 @@ fn all() -> Vec<HardwarePoint> {
         layer(Sweep::Rings, &name, Technique::layer(&name, &config), Full);
     }
     let name = "preset balanced (sound)";
-    layer(Sweep::Sound, name, Technique::layer(name, &preset_config("balanced")).hearing(), Full);
+    layer(Sweep::Sound, name, Technique::layer(name, &preset_config("balanced")).with_sound(), Full);
     points
 }
 

@@ -158,7 +158,7 @@ fn all() -> Vec<Point> {
         };
         let in_silence = Technique::layer(&format!("contrast {preset}"), &config("contrast"));
         points.push(timed(Sweep::Contrast, in_silence, All));
-        let with_sound = Technique::layer(&format!("sound {preset}"), &config("contrast")).hearing();
+        let with_sound = Technique::layer(&format!("sound {preset}"), &config("contrast")).with_sound();
         points.push(timed(Sweep::Sound, with_sound, if preset == "balanced" { Full } else { All }));
     }
     for (name, mode, periods, least) in [
@@ -185,7 +185,7 @@ fn all() -> Vec<Point> {
             "preset = \"{preset}\"\n[rates]\nmode = \"audio-visual\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n"
         );
         let name = format!("everything with sound {preset}");
-        points.push(timed(Sweep::Everything, Technique::layer(&name, &config).hearing(), All));
+        points.push(timed(Sweep::Everything, Technique::layer(&name, &config).with_sound(), All));
     }
     let chroma = layer("chroma", "none", ["off", "off", "default"]);
     points.push(Point { sweep: Sweep::Chroma, technique: chroma, is_timed: false, least: Quick });

@@ -76,7 +76,7 @@ fn soak(time: Duration) -> Result<bool, HarnessError> {
     let application = Application::ours("parafovea-cases", &["--soak", &seconds])?;
     let run = Run::new(&application, &scenario()).timeout(time + Duration::from_secs(120));
     let off = run.clone().start()?;
-    let on = run.on(CONFIGS[0]).with_ears()?.start()?;
+    let on = run.on(CONFIGS[0]).with_audio_library()?.start()?;
     let start = Instant::now();
     for config in CONFIGS.iter().cycle().skip(1) {
         if start.elapsed() >= time {

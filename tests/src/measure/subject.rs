@@ -228,7 +228,7 @@ impl Subject {
         let run = Run::new(&application, scenario);
         let run = match &technique.layer {
             LayerMode::On(config) if technique.hears => {
-                run.layer(LayerMode::On(format!("{config}{}", self.audio_config()?))).with_ears()?
+                run.layer(LayerMode::On(format!("{config}{}", self.audio_config()?))).with_audio_library()?
             }
             layer => run.layer(layer.clone()),
         };

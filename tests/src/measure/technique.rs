@@ -40,7 +40,7 @@ impl Technique {
     }
 
     /// The same, with the sound of the scene as the layer's: by its last second, so that it counts early on.
-    pub fn hearing(self) -> Self {
+    pub fn with_sound(self) -> Self {
         Self { hears: true, ..self }
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// A test binary.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Binary {
-    /// The package's folder below the repository's root and the target's name: `tests/ears ears`.
+    /// The package's folder below the repository's root and the target's name: `tests/sound sound`.
     pub label: String,
     pub path: PathBuf,
     /// The folder of the package, where cargo runs it.
@@ -61,23 +61,23 @@ pub fn names(list: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
-    const EARS: &str = r#"{"reason":"compiler-artifact","package_id":"path+file:///r/tests/ears#parafovea-ears@0.1.0","manifest_path":"/r/tests/ears/Cargo.toml","target":{"kind":["test"],"crate_types":["bin"],"name":"ears","src_path":"/r/tests/ears/tests/main.rs","test":true},"profile":{"opt_level":"2","test":true},"features":[],"filenames":["/r/target/a \"b\""],"executable":"/r/target/a \"b\"","fresh":true}"#;
+    const SOUND: &str = r#"{"reason":"compiler-artifact","package_id":"path+file:///r/tests/sound#parafovea-sound@0.1.0","manifest_path":"/r/tests/sound/Cargo.toml","target":{"kind":["test"],"crate_types":["bin"],"name":"sound","src_path":"/r/tests/sound/tests/main.rs","test":true},"profile":{"opt_level":"2","test":true},"features":[],"filenames":["/r/target/a \"b\""],"executable":"/r/target/a \"b\"","fresh":true}"#;
 
     #[test]
     fn test_binaries_are_found_in_messages() {
-        let found = binaries(&format!("no JSON\n{EARS}\n"), Path::new("/r"));
+        let found = binaries(&format!("no JSON\n{SOUND}\n"), Path::new("/r"));
         let expected = Binary {
-            label: "tests/ears ears".to_owned(),
+            label: "tests/sound sound".to_owned(),
             path: "/r/target/a \"b\"".into(),
-            folder: "/r/tests/ears".into(),
+            folder: "/r/tests/sound".into(),
             has_harness: true,
             is_unit: false,
         };
         assert_eq!(found, [expected]);
-        let bench = EARS.replace("[\"test\"]", "[\"bench\"]");
+        let bench = SOUND.replace("[\"test\"]", "[\"bench\"]");
         assert!(!binaries(&bench, Path::new("/r"))[0].has_harness);
         for kind in ["lib", "bin", "cdylib\",\"rlib"] {
-            let unit = EARS.replace("[\"test\"]", &format!("[\"{kind}\"]"));
+            let unit = SOUND.replace("[\"test\"]", &format!("[\"{kind}\"]"));
             let unit = &binaries(&unit, Path::new("/r"))[0];
             assert!(unit.is_unit && unit.has_harness, "{kind}");
         }
@@ -85,9 +85,10 @@ mod tests {
 
     #[test]
     fn programs_without_tests_are_not() {
-        let program = EARS.replace("\"opt_level\":\"2\",\"test\":true", "\"opt_level\":\"2\",\"test\":false");
-        let library = EARS.replace("\"executable\":\"/r/target/a \\\"b\\\"\"", "\"executable\":null");
-        assert!(program != EARS && library != EARS);
+        let program =
+            SOUND.replace("\"opt_level\":\"2\",\"test\":true", "\"opt_level\":\"2\",\"test\":false");
+        let library = SOUND.replace("\"executable\":\"/r/target/a \\\"b\\\"\"", "\"executable\":null");
+        assert!(program != SOUND && library != SOUND);
         assert_eq!(binaries(&format!("{program}\n{library}"), Path::new("/r")), []);
     }
 

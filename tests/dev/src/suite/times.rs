@@ -53,7 +53,7 @@ mod tests {
     #[test]
     fn times_are_read_as_they_are_written() {
         let mut times = Times::default();
-        times.set("tests/ears ears pipewire::x", Duration::from_millis(1250));
+        times.set("tests/sound sound pipewire::x", Duration::from_millis(1250));
         times.set("core parafovea_core y", Duration::from_millis(3));
         assert_eq!(Times::parse(&times.text()), times);
         assert_eq!(Times::parse("no time\n-1 a\nNaN b\n"), Times::default());

@@ -1,8 +1,8 @@
 //! Tests whose server goes away in the middle, and is waited for: each fails within its limit.
 
-use parafovea_ears::pipewire::PipeWire;
-use parafovea_ears::player::{BUFFER_MS, Player};
-use parafovea_ears::stage::{SAMPLE_RATE_HZ, Stage, application, configuration};
+use parafovea_sound::pipewire::PipeWire;
+use parafovea_sound::player::{BUFFER_MS, Player};
+use parafovea_sound::stage::{SAMPLE_RATE_HZ, Stage, application, configuration};
 use parafovea_trial::{Ending, Trial};
 use std::time::{Duration, SystemTime};
 

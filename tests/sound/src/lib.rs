@@ -1,7 +1,7 @@
 //! Sounds of known loudness ([`signals`]), played ([`player`]) into a real sound server without any sound card ([`server`], [`pipewire`]),
-//! and the features in the plans of an application ([`heard`], [`stage`]).
+//! and the features in the plans of an application ([`feature_lines`], [`stage`]).
 
-pub mod heard;
+pub mod feature_lines;
 pub mod lateness;
 pub mod measure;
 pub mod pipewire;

@@ -1,9 +1,9 @@
 //! Sounds of known loudness, played into the server: the features in the plans of hello_xr equal the samples'.
 
 use parafovea_core::audio::{AudioFeatures, AudioSettings, Mode};
-use parafovea_ears::heard::Line;
-use parafovea_ears::signals::{CHANNELS, Kind, features, sound};
-use parafovea_ears::stage::{SAMPLE_RATE_HZ, Stage};
+use parafovea_sound::feature_lines::Line;
+use parafovea_sound::signals::{CHANNELS, Kind, features, sound};
+use parafovea_sound::stage::{SAMPLE_RATE_HZ, Stage};
 use std::time::Duration;
 
 /// Loudness, LUFS: the range of paper A's study.
@@ -41,7 +41,7 @@ fn heard(stage: &Stage, samples: Vec<f32>) -> Vec<Set> {
     };
     let is_compared = |line: &Line| COMPARED.contains(&line.seconds_after(began));
     let set = |line: &Line| Some([line.loudness_lufs?, line.gamma_fq_kilomel?]);
-    stage.heard().iter().filter(|line| is_compared(line)).filter_map(set).collect()
+    stage.features().iter().filter(|line| is_compared(line)).filter_map(set).collect()
 }
 
 /// Largest differences of the sets from the samples' sets, LU and share, if both began with the same sample: the power

@@ -1,10 +1,10 @@
 //! Faults of the server: the application runs on, its plans soon do without sound, not with a jump, and sound comes
 //! back by itself.
 
-use parafovea_ears::heard::Line;
-use parafovea_ears::server::Sink;
-use parafovea_ears::signals::{Kind, sound};
-use parafovea_ears::stage::{OUT, SAMPLE_RATE_HZ, Stage};
+use parafovea_sound::feature_lines::Line;
+use parafovea_sound::server::Sink;
+use parafovea_sound::signals::{Kind, sound};
+use parafovea_sound::stage::{OUT, SAMPLE_RATE_HZ, Stage};
 use std::time::{Duration, SystemTime};
 
 /// Plans do without sound that soon, seconds.
@@ -31,7 +31,7 @@ fn play(stage: &Stage) {
 fn expect_fallback(stage: &Stage, what: &str, failed: SystemTime) {
     let line = stage.wait("fallback", |line| !line.pays(), Some(failed)).unwrap();
     let after = line.seconds_after(failed);
-    let heard = stage.heard();
+    let heard = stage.features();
     let steps: Vec<f32> = heard
         .iter()
         .filter(|line| line.time() > failed && line.seconds_after(failed) < after)
@@ -74,7 +74,7 @@ fn an_output_that_is_unplugged_does_not_lead_to_the_microphone() {
     expect_fallback(&stage, "unplugged beside a microphone", failed);
     let silent = SystemTime::now();
     std::thread::sleep(Duration::from_millis(1500));
-    let heard: Vec<Line> = stage.heard().into_iter().filter(|line| line.time() > silent).collect();
+    let heard: Vec<Line> = stage.features().into_iter().filter(|line| line.time() > silent).collect();
     assert!(heard.iter().all(|line| !line.pays()), "{heard:#?}");
     let outputs = stage.server.command("list-source-outputs").unwrap();
     assert!(outputs.contains("0 source output(s)"), "{outputs}");
@@ -154,7 +154,7 @@ fn a_stream_of_what_is_no_number() {
     let failed = SystemTime::now();
     stage.player.play(vec![f32::NAN; 9600], true);
     expect_fallback(&stage, "no number", failed);
-    let heard = stage.heard();
+    let heard = stage.features();
     assert!(heard.iter().all(|line| line.gamma_ld.is_none_or(f32::is_finite)));
     let repaired = SystemTime::now();
     play(&stage);

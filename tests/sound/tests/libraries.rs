@@ -1,6 +1,6 @@
 //! Libraries that the layer loads into games: ALSA's only with the capture library, and that only on request.
 
-use parafovea_ears::stage::configuration;
+use parafovea_sound::stage::configuration;
 use parafovea_tests::artifacts::Library;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -55,6 +55,6 @@ fn without_the_library_that_listens_everything_else_works() {
 
 #[test]
 fn nothing_listens_by_itself() {
-    let outcome = run(|run| run.with_ears().unwrap().on("[chroma]\nmode = \"default\"\n"));
+    let outcome = run(|run| run.with_audio_library().unwrap().on("[chroma]\nmode = \"default\"\n"));
     assert!(!outcome.log.contains("sound"), "{}", outcome.log);
 }

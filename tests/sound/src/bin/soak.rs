@@ -1,7 +1,7 @@
-//! `cargo dev soak ears [--seconds N]`: listens for an hour, or so long, and fails where that takes more and more memory.
+//! `cargo dev soak sound [--seconds N]`: listens for an hour, or so long, and fails where that takes more and more memory.
 
 use anyhow::{Context, Result, ensure};
-use parafovea_ears::measure::capture_cost;
+use parafovea_sound::measure::capture_cost;
 use std::time::Duration;
 
 /// An hour.
@@ -15,7 +15,7 @@ fn main() -> Result<()> {
     let seconds = match &arguments[..] {
         [] => SECONDS,
         [option, seconds] if option == "--seconds" => seconds.parse().context("--seconds takes a number")?,
-        _ => anyhow::bail!("usage: cargo dev soak ears [--seconds N]"),
+        _ => anyhow::bail!("usage: cargo dev soak sound [--seconds N]"),
     };
     let cost = capture_cost(Duration::from_secs(seconds))?;
     println!(

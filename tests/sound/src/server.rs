@@ -44,7 +44,7 @@ impl Server {
     /// # Errors
     /// There is no `pulseaudio`, or it does not start.
     pub fn start(sinks: &[Sink<'_>]) -> Result<Self> {
-        let folder = tempfile::Builder::new().prefix("parafovea-ears-").tempdir()?;
+        let folder = tempfile::Builder::new().prefix("parafovea-sound-").tempdir()?;
         std::fs::create_dir(folder.path().join("pulse"))?;
         let socket = folder.path().join("pulse/native");
         let mut arguments: Vec<String> =

@@ -1,8 +1,8 @@
 //! When sound stops or is inaudible, plans soon take it for silence.
 
-use parafovea_ears::player::{Player, SHORT_BUFFER_MS};
-use parafovea_ears::signals::{Kind, sound};
-use parafovea_ears::stage::{SAMPLE_RATE_HZ, Stage};
+use parafovea_sound::player::{Player, SHORT_BUFFER_MS};
+use parafovea_sound::signals::{Kind, sound};
+use parafovea_sound::stage::{SAMPLE_RATE_HZ, Stage};
 use std::time::{Duration, Instant, SystemTime};
 
 /// Additional delay on a busy machine, seconds. A busy one adds its measured lateness.

@@ -1,6 +1,6 @@
 //! An application that hears a server, and a program that plays to it.
 
-use crate::heard::{Line, lines};
+use crate::feature_lines::{Line, lines};
 use crate::lateness::Lateness;
 use crate::player::{BUFFER_MS, Player};
 use crate::server::{Server, Sink};
@@ -41,7 +41,9 @@ pub fn application() -> Result<Run> {
     let mut scenario = Scenario::new((LONGEST_S * REFRESH_HZ) as u64).sized(64, 64).in_real_time();
     scenario.clock.refresh_hz = REFRESH_HZ;
     let application = Application::hello_xr("Vulkan2")?;
-    Ok(Run::new(&application, &scenario).with_ears()?.timeout(Duration::from_secs_f64(2.0 * LONGEST_S)))
+    Ok(Run::new(&application, &scenario)
+        .with_audio_library()?
+        .timeout(Duration::from_secs_f64(2.0 * LONGEST_S)))
 }
 
 /// A server, hello_xr that hears it, and a player.
@@ -67,7 +69,7 @@ impl Stage {
         let server = Server::start(&[OUT])?;
         let player = Player::new(&server.socket(), SAMPLE_RATE_HZ, BUFFER_MS)?;
         let folder = tempfile::tempdir()?;
-        let file = folder.path().join("heard.jsonl");
+        let file = folder.path().join("features.jsonl");
         let config = configuration(&format!("source = \"system\"\n{audio}"));
         let run = application()?.on(&config).env("PARAFOVEA_FEATURES_FILE", &file);
         let running = run.env("XDG_RUNTIME_DIR", server.runtime_folder()).start()?;
@@ -77,7 +79,7 @@ impl Stage {
     }
 
     /// Features of plans so far.
-    pub fn heard(&self) -> Vec<Line> {
+    pub fn features(&self) -> Vec<Line> {
         lines(&self.file)
     }
 
@@ -93,7 +95,7 @@ impl Stage {
     pub fn wait(&self, what: &str, is_it: impl Fn(&Line) -> bool, after: Option<SystemTime>) -> Result<Line> {
         let start = Instant::now();
         loop {
-            let heard = self.heard();
+            let heard = self.features();
             let found =
                 heard.iter().find(|line| is_it(line) && after.is_none_or(|after| line.time() > after));
             if let Some(line) = found {

@@ -1,7 +1,7 @@
-//! `cargo dev bench ears [--json]`: cost and latency of sound capture.
+//! `cargo dev bench sound [--json]`: cost and latency of sound capture.
 
 use anyhow::Result;
-use parafovea_ears::measure::{callback_us, capture_cost, latencies_s, percentile};
+use parafovea_sound::measure::{callback_us, capture_cost, latencies_s, percentile};
 use std::time::Duration;
 
 fn main() -> Result<()> {
@@ -10,7 +10,7 @@ fn main() -> Result<()> {
     let print = |case: &str, metric: &str, value: f64, unit: &str| {
         if json {
             let line = serde_json::json!({
-                "bench": "ears", "app": "hello_xr", "case": case, "metric": metric, "value": value, "unit": unit,
+                "bench": "sound", "app": "hello_xr", "case": case, "metric": metric, "value": value, "unit": unit,
             });
             println!("{line}");
         } else {

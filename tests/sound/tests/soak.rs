@@ -1,6 +1,6 @@
-//! The hour of `cargo dev soak ears`, shortened.
+//! The hour of `cargo dev soak sound`, shortened.
 
-use parafovea_ears::measure::capture_cost;
+use parafovea_sound::measure::capture_cost;
 use std::time::Duration;
 
 #[test]

@@ -1,8 +1,8 @@
 //! A WAV file as the source of sound.
 
-use parafovea_ears::heard::lines;
-use parafovea_ears::signals::{CHANNELS, Kind, features, sound};
-use parafovea_ears::stage::{application, configuration};
+use parafovea_sound::feature_lines::lines;
+use parafovea_sound::signals::{CHANNELS, Kind, features, sound};
+use parafovea_sound::stage::{application, configuration};
 use std::time::{Duration, Instant};
 
 const SAMPLE_RATE_HZ: u32 = 44_100;
@@ -10,7 +10,7 @@ const SAMPLE_RATE_HZ: u32 = 44_100;
 #[test]
 fn a_file_is_heard_as_if_it_were_played() {
     let folder = tempfile::tempdir().unwrap();
-    let (file, features_file) = (folder.path().join("tone.wav"), folder.path().join("heard.jsonl"));
+    let (file, features_file) = (folder.path().join("tone.wav"), folder.path().join("features.jsonl"));
     let samples = sound(Kind::Tone, -20.0, SAMPLE_RATE_HZ, 1.0);
     let spec = hound::WavSpec {
         channels: CHANNELS as u16,

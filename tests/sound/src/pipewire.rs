@@ -35,7 +35,7 @@ impl PipeWire {
     /// # Errors
     /// One of them is not installed, or is not ready in time.
     pub fn start() -> Result<Self> {
-        let folder = tempfile::Builder::new().prefix("parafovea-ears-").tempdir()?;
+        let folder = tempfile::Builder::new().prefix("parafovea-sound-").tempdir()?;
         let mut server = Self { processes: Vec::new(), folder };
         let address = format!("--address={}", server.bus_address());
         server.launch("dbus-daemon", &["--session", "--nofork", &address])?;

@@ -1,17 +1,17 @@
 //! PipeWire speaks PulseAudio's protocol: sound that is played into it is captured as well.
 
-use parafovea_ears::heard::lines;
-use parafovea_ears::pipewire::PipeWire;
-use parafovea_ears::player::{BUFFER_MS, Player};
-use parafovea_ears::signals::{Kind, features, sound};
-use parafovea_ears::stage::{SAMPLE_RATE_HZ, application, configuration};
+use parafovea_sound::feature_lines::lines;
+use parafovea_sound::pipewire::PipeWire;
+use parafovea_sound::player::{BUFFER_MS, Player};
+use parafovea_sound::signals::{Kind, features, sound};
+use parafovea_sound::stage::{SAMPLE_RATE_HZ, application, configuration};
 use std::time::{Duration, Instant};
 
 #[test]
 fn sound_played_into_pipewire_is_captured() {
     let server = PipeWire::start().unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("heard.jsonl");
+    let file = folder.path().join("features.jsonl");
     let player = Player::new(&server.socket(), SAMPLE_RATE_HZ, BUFFER_MS).unwrap();
     let samples = sound(Kind::Tone, -20.0, SAMPLE_RATE_HZ, 1.0);
     player.play(samples.clone(), true);
