@@ -8,7 +8,7 @@ use std::fmt;
 pub enum Reason {
     /// The gaze is not a direction: full rate everywhere.
     GazeInvalid,
-    /// The gaze is held over a blink: nothing becomes coarser.
+    /// The gaze is held over a blink: no tile becomes coarser, except by contrast.
     GazeHeld,
     /// The gaze was lost a moment ago: the rings widen until everything has full rate.
     GazeFading,
@@ -72,7 +72,7 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::GazeInvalid => "gaze is not a direction: full rate",
-            Self::GazeHeld => "blink: map held",
+            Self::GazeHeld => "blink: gaze held",
             Self::GazeFading => "gaze lost: ramping to uniform full rate",
             Self::GazeLost => "gaze lost: wide fixed rates, no re-use, full colour",
             Self::Suppressed => "saccade: coarsening at once outside of the landing",

@@ -74,7 +74,7 @@ impl SafetyState {
             inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
             hysteresis_deg: hysteresis_deg(settings, gaze),
             elapsed_ms: (seconds * 1e3) as u32,
-            coarsening: self.coarsening(speed, seconds, lost || may_coarsen(gaze, reasons)),
+            coarsening: self.coarsening(speed, seconds, lost || may_coarsen(gaze, by_contrast, reasons)),
             pursuit: gaze.phase == GazePhase::Pursuit,
         }
     }
@@ -127,10 +127,12 @@ fn hysteresis_deg(settings: &SafetySettings, gaze: &GazeState) -> f32 {
     settings.hysteresis_deg + if error_deg.is_nan() { 180.0 } else { error_deg.max(0.0) }
 }
 
-fn may_coarsen(gaze: &GazeState, reasons: &mut Reasons) -> bool {
+/// Whether tiles may become coarser. By contrast they may in a blink too: while the head turns, another part of the world enters each tile,
+/// and tiles that only became finer would shade twice as much at its end.
+fn may_coarsen(gaze: &GazeState, by_contrast: bool, reasons: &mut Reasons) -> bool {
     reasons.insert_if(gaze.phase == GazePhase::Blink, Reason::GazeHeld);
     reasons.insert_if(gaze.is_suppressed, Reason::Suppressed);
     reasons.insert_if(gaze.phase == GazePhase::Saccade && !gaze.is_suppressed, Reason::Saccade);
     reasons.insert_if(gaze.phase == GazePhase::PostSaccade && !gaze.is_suppressed, Reason::AfterSaccade);
-    gaze.may_coarsen()
+    gaze.may_coarsen() || (by_contrast && gaze.phase == GazePhase::Blink)
 }

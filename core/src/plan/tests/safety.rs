@@ -25,6 +25,29 @@ fn nothing_coarsens_in_blinks_and_where_a_saccade_is_in_doubt() {
 }
 
 #[test]
+fn in_a_blink_tiles_become_coarser_by_contrast_alone() {
+    use crate::plan::reasons::Reasons;
+    use crate::plan::safety::SafetyState;
+    for (by_contrast, phase, may_coarsen) in [
+        (true, GazePhase::Blink, true),
+        (false, GazePhase::Blink, false),
+        (true, GazePhase::Saccade, false),
+        (true, GazePhase::PostSaccade, false),
+        (true, GazePhase::Lost, false),
+    ] {
+        let gaze = GazeState { phase, ..gaze(Vec3::NEG_Z, Vec3::NEG_Z) };
+        let mut state = SafetyState::default();
+        let mut coarsening = |time_ns| {
+            let settings = SafetySettings::default();
+            state.frame(&settings, by_contrast, time_ns, &gaze, &mut Reasons::default()).coarsening
+        };
+        assert_eq!(coarsening(0), 0, "{phase:?}: no time has passed");
+        let later = coarsening(50_000_000);
+        assert_eq!(later > 0, may_coarsen, "{phase:?}, {by_contrast}: {later} steps in 50 ms");
+    }
+}
+
+#[test]
 fn tiles_are_coarse_at_once_in_a_saccade_outside_of_the_possible_landing() {
     let ahead = input().gaze.directions[0];
     let right = Vec3::new(0.6, 0.0, -0.8);
