@@ -26,6 +26,8 @@ pub struct Planner {
     /// Present where contrast is judged.
     sensitivity: Option<Sensitivity>,
     safety: SafetyState,
+    /// Orientation of the head in the newest frame.
+    last_head: Option<Quat>,
     cap: PeriodCap,
     /// Displacement of re-used content for each frame of its age, arc minutes.
     drift_arcmin: f32,
@@ -43,6 +45,7 @@ impl Planner {
             settings,
             sensitivity: None,
             safety: SafetyState::default(),
+            last_head: None,
             cap: PeriodCap::default(),
             drift_arcmin: 0.0,
             ages: None,
@@ -99,10 +102,22 @@ impl Planner {
         &self.plan
     }
 
+    /// Turn of the head since the frame before, in tiles at the centre of the left picture; 0 in the first frame.
+    fn turned_tiles(&mut self, input: &PlanInput, head: Quat) -> f32 {
+        let before = self.last_head.replace(head).unwrap_or(head);
+        let EyeInput { extent: [width, _], fov, .. } = input.eyes[0];
+        let across = fov.right.tan() - fov.left.tan();
+        let tile = across * self.settings.device.texel[0] as f32 / width as f32;
+        let tiles = before.angle_between(head) / tile;
+        if tile > 0.0 && tiles.is_finite() { tiles } else { 0.0 }
+    }
+
     /// Plans a frame.
     pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
         let mut reasons = Reasons::default();
-        let by_contrast = matches!(self.settings.rates, RateSettings::AudioVisual(_));
+        let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
+        let turned_tiles = self.turned_tiles(input, head);
+        let by_contrast = matches!(self.settings.rates, RateSettings::AudioVisual(_)).then_some(turned_tiles);
         let safety =
             self.safety.frame(&self.settings.safety, by_contrast, input.time_ns, &input.gaze, &mut reasons);
         let period_cap = self.cap.update(input.frame_rate_hz);
@@ -110,7 +125,6 @@ impl Planner {
         let orientations = input.eyes.each_ref().map(|eye| eye.orientation);
         let rules =
             FrameRules::new(&self.settings, safety, input.audio.as_ref(), limits, orientations, &mut reasons);
-        let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
         if let (Some(ages), Some(schedule)) = (&mut self.ages, &rules.schedule) {
             let gazes = rules.centres.map(|centre| head * centre);
             ages.advance(schedule, input.frame, gazes);

@@ -10,6 +10,9 @@ use glam::Vec3;
 /// Longest time that one frame accounts for, nanoseconds: after a pause tiles do not become coarse at once.
 const LONGEST_FRAME_NS: i64 = 100_000_000;
 
+/// Octaves from 1x1 to 4x4.
+const COARSEST_OCTAVES: f32 = 2.0;
+
 /// Safety limits of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FrameSafety {
@@ -47,12 +50,13 @@ pub(super) struct SafetyState {
 }
 
 impl SafetyState {
-    /// The safety limits of the frame that is shown at `time_ns`; `by_contrast` where contrast may decide. All numbers of `settings` are usable
+    /// The safety limits of the frame that is shown at `time_ns`; `by_contrast`, where contrast may decide, is the turn of the head since the
+    /// frame before in tiles: such a part of each tile shows another part of the world, whose rate does not change by the tile's. All numbers of `settings` are usable
     /// ([`SafetySettings::usable`]).
     pub(super) fn frame(
         &mut self,
         settings: &SafetySettings,
-        by_contrast: bool,
+        by_contrast: Option<f32>,
         time_ns: i64,
         gaze: &GazeState,
         reasons: &mut Reasons,
@@ -66,15 +70,20 @@ impl SafetyState {
         let seconds = self.elapsed_s(time_ns, reasons);
         let speed = match by_contrast {
             _ if gaze.is_suppressed => settings.suppressed_octaves_per_s,
-            true => settings.contrast_octaves_per_s,
-            false => settings.coarsening_octaves_per_s,
+            Some(_) => settings.contrast_octaves_per_s,
+            None => settings.coarsening_octaves_per_s,
         };
         FrameSafety {
             area,
             inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
             hysteresis_deg: hysteresis_deg(settings, gaze),
             elapsed_ms: (seconds * 1e3) as u32,
-            coarsening: self.coarsening(speed, seconds, lost || may_coarsen(gaze, by_contrast, reasons)),
+            coarsening: self.coarsening(
+                speed,
+                seconds,
+                by_contrast.unwrap_or(0.0),
+                lost || may_coarsen(gaze, by_contrast.is_some(), reasons),
+            ),
             pursuit: gaze.phase == GazePhase::Pursuit,
         }
     }
@@ -86,8 +95,8 @@ impl SafetyState {
         elapsed_ns.clamp(0, LONGEST_FRAME_NS) as f32 * 1e-9
     }
 
-    /// With a speed in octaves a second.
-    fn coarsening(&mut self, speed: f32, seconds: f32, allowed: bool) -> u32 {
+    /// With a speed in octaves a second, and this part of a tile's picture new.
+    fn coarsening(&mut self, speed: f32, seconds: f32, new: f32, allowed: bool) -> u32 {
         if speed == f32::INFINITY {
             return u32::from(u8::MAX);
         }
@@ -96,7 +105,8 @@ impl SafetyState {
             self.carry = 0.0;
             return 0;
         }
-        let steps = (speed * seconds * f32::from(STEPS_PER_OCTAVE) + self.carry).min(255.0);
+        let octaves = speed * seconds + new.min(1.0) * COARSEST_OCTAVES;
+        let steps = (octaves * f32::from(STEPS_PER_OCTAVE) + self.carry).min(255.0);
         self.carry = steps.fract();
         steps as u32
     }

@@ -155,7 +155,8 @@ pub struct SafetySettings {
     /// Fastest that a tile becomes coarser, octaves a second ([`octaves`](crate::rate::ShadingRate::octaves)); infinite: at once, in blinks
     /// and with a gaze that was just found again too.
     pub coarsening_octaves_per_s: f32,
-    /// The same where contrast decides, which noise in the pictures changes too.
+    /// The same where contrast decides, which noise in the pictures changes too; the two octaves of 4x4 more for each tile by which the
+    /// head has turned.
     pub contrast_octaves_per_s: f32,
     /// The same while changes go unnoticed ([`GazeState::is_suppressed`](crate::gaze::GazeState::is_suppressed)), with or without contrast:
     /// then a tile that the eyes have left may reach its coarsest permitted rate in the next frame.

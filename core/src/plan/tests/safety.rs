@@ -39,12 +39,33 @@ fn in_a_blink_tiles_become_coarser_by_contrast_alone() {
         let mut state = SafetyState::default();
         let mut coarsening = |time_ns| {
             let settings = SafetySettings::default();
+            let by_contrast = by_contrast.then_some(0.0);
             state.frame(&settings, by_contrast, time_ns, &gaze, &mut Reasons::default()).coarsening
         };
         assert_eq!(coarsening(0), 0, "{phase:?}: no time has passed");
         let later = coarsening(50_000_000);
         assert_eq!(later > 0, may_coarsen, "{phase:?}, {by_contrast}: {later} steps in 50 ms");
     }
+}
+
+#[test]
+fn tiles_become_coarser_as_the_head_turns_other_content_into_them() {
+    // 16 pixels of 640 at the centre of this view.
+    let Fov { left, right, .. } = input().eyes[0].fov;
+    let tile = (right.tan() - left.tan()) * 16.0 / 640.0;
+    let coarsening = |rates, turned_tiles: f32| {
+        let mut planner = Planner::new(PlanSettings { rates, ..PlanSettings::default() });
+        planner.plan(&input());
+        let head = Quat::from_rotation_y(turned_tiles * tile);
+        planner.plan(&PlanInput { frame: 1, time_ns: FRAME_NS, head, ..input() }).eyes[0].decision.coarsening
+    };
+    let by_contrast = RateSettings::AudioVisual(AudioVisual::default());
+    // 4 octaves a second, of 64 steps each, over 10 ms; and 128 steps for a tile.
+    for (turned_tiles, expected) in [(0.0, 2), (0.25, 34), (0.5, 66), (1.0, 130), (20.0, 130)] {
+        assert_eq!(coarsening(by_contrast, turned_tiles), expected, "{turned_tiles} tiles");
+    }
+    let rings = RateSettings::Fixed(FixedFoveation::L1_C1);
+    assert_eq!(coarsening(rings, 0.0), coarsening(rings, 20.0));
 }
 
 #[test]
