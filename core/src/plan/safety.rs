@@ -5,13 +5,11 @@ use super::rings::STEPS_PER_OCTAVE;
 use super::settings::SafetySettings;
 use crate::gaze::{GazePhase, GazeState, foveal_inflation_deg};
 use crate::geometry::unit_direction;
+use crate::rate::ShadingRate;
 use glam::Vec3;
 
 /// Longest time that one frame accounts for, nanoseconds: after a pause tiles do not become coarse at once.
 const LONGEST_FRAME_NS: i64 = 100_000_000;
-
-/// Octaves from 1x1 to 4x4.
-const COARSEST_OCTAVES: f32 = 2.0;
 
 /// Safety limits of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +103,7 @@ impl SafetyState {
             self.carry = 0.0;
             return 0;
         }
-        let octaves = speed * seconds + new.min(1.0) * COARSEST_OCTAVES;
+        let octaves = speed * seconds + new.min(1.0) * ShadingRate::R4X4.octaves();
         let steps = (octaves * f32::from(STEPS_PER_OCTAVE) + self.carry).min(255.0);
         self.carry = steps.fract();
         steps as u32

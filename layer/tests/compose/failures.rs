@@ -55,16 +55,30 @@ unsafe extern "system" fn with_late_fences(
     device: vk::Device,
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the arguments are the caller's.
+    unsafe { with_fences(device, name, wait_late, status_late) }
+}
+
+/// The next function of that name, or one of these in its place.
+///
+/// # Safety
+///
+/// The valid usage of vkGetDeviceProcAddr.
+unsafe fn with_fences(
+    device: vk::Device,
+    name: *const c_char,
+    wait: vk::PFN_vkWaitForFences,
+    status: vk::PFN_vkGetFenceStatus,
+) -> vk::PFN_vkVoidFunction {
     // SAFETY: names are C strings, the device is live, and the functions have the types of these names.
     unsafe {
         match CStr::from_ptr(name) {
             name if name == c"vkWaitForFences" => {
-                Some(std::mem::transmute::<vk::PFN_vkWaitForFences, unsafe extern "system" fn()>(wait_late))
+                Some(std::mem::transmute::<vk::PFN_vkWaitForFences, unsafe extern "system" fn()>(wait))
             }
-            name if name == c"vkGetFenceStatus" => Some(std::mem::transmute::<
-                vk::PFN_vkGetFenceStatus,
-                unsafe extern "system" fn(),
-            >(status_late)),
+            name if name == c"vkGetFenceStatus" => {
+                Some(std::mem::transmute::<vk::PFN_vkGetFenceStatus, unsafe extern "system" fn()>(status))
+            }
             _ => NEXT.get().unwrap()(device, name),
         }
     }
@@ -155,20 +169,8 @@ unsafe extern "system" fn with_counted_fences(
     device: vk::Device,
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
-    // SAFETY: names are C strings, the device is live, and the functions have the types of these names.
-    unsafe {
-        match CStr::from_ptr(name) {
-            name if name == c"vkWaitForFences" => Some(std::mem::transmute::<
-                vk::PFN_vkWaitForFences,
-                unsafe extern "system" fn(),
-            >(counted_wait)),
-            name if name == c"vkGetFenceStatus" => Some(std::mem::transmute::<
-                vk::PFN_vkGetFenceStatus,
-                unsafe extern "system" fn(),
-            >(counted_status)),
-            _ => NEXT.get().unwrap()(device, name),
-        }
-    }
+    // SAFETY: the arguments are the caller's.
+    unsafe { with_fences(device, name, counted_wait, counted_status) }
 }
 
 unsafe extern "system" fn counted_wait(

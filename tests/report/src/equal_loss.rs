@@ -3,43 +3,18 @@
 use crate::points::Sweep;
 use crate::results::{PointResults, SceneResults, mean};
 use crate::statistics::{CostAndLoss, cost_at};
+use crate::verdict::Measure;
 
-/// The loss at which shares are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Loss {
-    /// The mean over the view.
-    Mean,
-    /// Detection.
-    Detected,
-}
-
-impl Loss {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Detected, Self::Mean];
-
-    /// In a few words.
-    pub fn text(self) -> &'static str {
-        match self {
-            Self::Mean => "mean of the view",
-            Self::Detected => "as detected",
-        }
-    }
-
-    fn of(self, point: &PointResults) -> f64 {
-        match self {
-            Self::Mean => point.loss(),
-            Self::Detected => point.detected(),
-        }
-    }
-}
+/// The compared losses.
+const MEASURES: [Measure; 2] = [Measure::Detected, Measure::Mean];
 
 /// Shares of one technique of the layer, over the scenes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EqualLoss {
     /// The technique.
     pub technique: String,
-    /// The loss that is equal.
-    pub loss: Loss,
+    /// The measure of the equal loss.
+    pub measure: Measure,
     /// FR's share of shaded pixels over the technique's: the geometric mean of the scenes.
     pub ratio: f64,
     /// The least of the scenes.
@@ -50,24 +25,25 @@ pub struct EqualLoss {
 pub fn at_equal_loss(scenes: &[SceneResults]) -> Vec<EqualLoss> {
     let first = scenes.first().into_iter().flat_map(|scene| &scene.points);
     let ours = first.filter(|point| matches!(point.sweep, Sweep::Rates | Sweep::Sound));
-    let of_technique = |point: &PointResults| Loss::ALL.map(|loss| (point.technique.clone(), loss));
+    let of_technique = |point: &PointResults| MEASURES.map(|measure| (point.technique.clone(), measure));
     ours.flat_map(of_technique)
-        .filter_map(|(technique, loss)| {
-            let ratios: Vec<f64> = scenes.iter().filter_map(|scene| ratio(scene, &technique, loss)).collect();
+        .filter_map(|(technique, measure)| {
+            let ratios: Vec<f64> =
+                scenes.iter().filter_map(|scene| ratio(scene, &technique, measure)).collect();
             Some(EqualLoss {
                 ratio: mean(ratios.iter().map(|ratio| ratio.ln()))?.exp(),
                 least: ratios.iter().copied().fold(f64::INFINITY, f64::min),
                 technique,
-                loss,
+                measure,
             })
         })
         .collect()
 }
 
-fn ratio(scene: &SceneResults, technique: &str, loss: Loss) -> Option<f64> {
+fn ratio(scene: &SceneResults, technique: &str, measure: Measure) -> Option<f64> {
     let of_point = |point: &PointResults| {
         let cost = point.cost.as_ref()?.ratio;
-        Some(CostAndLoss { cost, loss: loss.of(point) })
+        Some(CostAndLoss { cost, loss: measure.of_point(point)? })
     };
     let ours = of_point(scene.point(technique)?)?;
     let fixed: Vec<_> = scene.sweep(Sweep::FixedFoveation).into_iter().filter_map(of_point).collect();

@@ -102,8 +102,8 @@ pub fn equal_loss_titles() -> [&'static str; 4] {
 
 /// Its rows.
 pub fn equal_loss_rows(results: &Results) -> Vec<[String; 4]> {
-    let row = |EqualLoss { technique, loss, ratio, least }: EqualLoss| {
-        [technique, loss.text().to_owned(), format!("{ratio:.2}"), format!("{least:.2}")]
+    let row = |EqualLoss { technique, measure, ratio, least }: EqualLoss| {
+        [technique, measure.text().to_owned(), format!("{ratio:.2}"), format!("{least:.2}")]
     };
     at_equal_loss(&results.hardware).into_iter().map(row).collect()
 }

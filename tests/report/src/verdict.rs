@@ -44,6 +44,14 @@ impl Measure {
         }
     }
 
+    /// The loss of a point in the frames in which the eyes do not jump, 0 for the application alone; `None` if it was not measured.
+    pub fn of_point(self, point: &PointResults) -> Option<f64> {
+        let Some(errors) = &point.errors else { return Some(0.0) };
+        let frames: Vec<usize> =
+            (0..errors.loss.len()).filter(|frame| !errors.is_in_flight(*frame)).collect();
+        self.of(errors, &frames)
+    }
+
     /// The loss in these frames; none where one of them was not measured.
     fn of(self, errors: &Errors, frames: &[usize]) -> Option<f64> {
         let mean = |values: &[f64]| {

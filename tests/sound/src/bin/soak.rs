@@ -1,4 +1,4 @@
-//! `cargo dev soak sound [--seconds N]`: listens for an hour, or so long, and fails where that takes more and more memory.
+//! `cargo dev soak sound [--seconds N]`: captures sound for an hour or N seconds, and fails if memory grows.
 
 use anyhow::{Context, Result, ensure};
 use parafovea_sound::measure::capture_cost;
