@@ -2,8 +2,9 @@
 //! inherited by all but the few that clear it.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::process::{Command, Stdio};
+use std::time::Duration;
+use std::{fs, io};
 
 /// A process that is alive.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -19,8 +20,12 @@ impl Process {
     /// None for a process that has ended.
     fn read(id: u32, mark: &str) -> Option<Self> {
         let (name, state, parent) = parse_stat(&fs::read_to_string(format!("/proc/{id}/stat")).ok()?)?;
-        // The environment of another user's process cannot be read; ours has none of those.
-        let environment = fs::read(format!("/proc/{id}/environ")).unwrap_or_default();
+        let is_of_the_kernel = id == KERNEL_THREADS || parent == KERNEL_THREADS;
+        let environment = if is_of_the_kernel {
+            Vec::new()
+        } else {
+            environment(|| fs::read(format!("/proc/{id}/environ")))
+        };
         let is_marked = environment.split(|byte| *byte == 0).any(|variable| variable == mark.as_bytes());
         (state != 'Z' && state != 'X').then_some(Self { id, parent, name, is_marked })
     }
@@ -29,6 +34,24 @@ impl Process {
     pub fn is_alive(&self) -> bool {
         Self::read(self.id, "").is_some_and(|now| now.name == self.name)
     }
+}
+
+/// The process that starts the threads of the kernel, which have no environment.
+const KERNEL_THREADS: u32 = 2;
+
+/// Reads of an environment that is empty, and the time between two: a process has none while it replaces its program by another.
+const READS: u32 = 4;
+const BETWEEN_READS: Duration = Duration::from_millis(1);
+
+/// An environment by `read`; empty for a process of another user, of which ours has none.
+fn environment(mut read: impl FnMut() -> io::Result<Vec<u8>>) -> Vec<u8> {
+    for _ in 1..READS {
+        match read() {
+            Ok(environment) if environment.is_empty() => std::thread::sleep(BETWEEN_READS),
+            result => return result.unwrap_or_default(),
+        }
+    }
+    read().unwrap_or_default()
 }
 
 /// The name, the state and the parent of a line of `/proc/PID/stat`. The name may contain anything.
@@ -81,6 +104,22 @@ mod tests {
         let line = "42 (a ) b) S 7 42 42 0 -1 4194560";
         assert_eq!(parse_stat(line), Some(("a ) b".to_owned(), 'S', 7)));
         assert_eq!(parse_stat(""), None);
+    }
+
+    #[test]
+    fn an_environment_is_read_again_where_it_is_empty() {
+        let found = |answers: &[Option<&str>]| {
+            let mut answers = answers.iter();
+            let environment = environment(|| {
+                let answer = answers.next().expect("no more reads than answers");
+                answer.map(|text| text.as_bytes().to_vec()).ok_or(io::ErrorKind::PermissionDenied.into())
+            });
+            (String::from_utf8(environment).unwrap(), answers.len())
+        };
+        assert_eq!(found(&[Some("A=1"), Some("B=2")]), ("A=1".to_owned(), 1));
+        assert_eq!(found(&[Some(""), Some(""), Some(""), Some("A=1")]), ("A=1".to_owned(), 0));
+        assert_eq!(found(&[Some(""); 5]), (String::new(), 1));
+        assert_eq!(found(&[None, Some("A=1")]), (String::new(), 1));
     }
 
     #[test]
