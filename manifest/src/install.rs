@@ -10,10 +10,10 @@ mod step;
 pub use error::InstallError;
 pub use step::Step;
 
-pub use parafovea_audio_link::LIBRARY_NAME as AUDIO_LIBRARY_NAME;
+pub use crate::audio_library::LIBRARY_NAME as AUDIO_LIBRARY_NAME;
 
+use crate::audio_library::GET_TABLE_NAME;
 use crate::json::{Activation, Half};
-use parafovea_audio_link::GET_TABLE_NAME;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

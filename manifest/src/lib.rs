@@ -3,6 +3,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod audio_library;
 pub mod config;
 pub mod doctor;
 pub mod gaze_correction;

@@ -7,7 +7,7 @@
 
 use glam::{Quat, Vec3};
 use parafovea_core::geometry::Fov;
-use parafovea_errors::{Eye, Frame, Judge, Metric, Picture, RING_NAMES, Report, Viewing};
+use parafovea_models::errors::{Eye, Frame, Judge, Metric, Picture, RING_NAMES, Report, Viewing};
 use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Gaze, Head, Scenario, ScenarioExt};

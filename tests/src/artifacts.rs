@@ -36,9 +36,10 @@ impl Library {
     /// [`HarnessError::NotBuilt`].
     pub fn path(self) -> Result<PathBuf, HarnessError> {
         let folder = profile_folder()?;
-        let copies = [folder.join("deps").join(self.file_name()), folder.join(self.file_name())];
+        let folders = [folder.join("deps"), folder.join("examples"), folder.clone()];
         let modified = |path: &PathBuf| std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
-        let newest = copies.into_iter().filter(|path| path.is_file()).max_by_key(modified);
+        let copies = folders.map(|folder| folder.join(self.file_name())).into_iter();
+        let newest = copies.filter(|path| path.is_file()).max_by_key(modified);
         newest.ok_or_else(|| HarnessError::NotBuilt { name: self.file_name().to_owned(), folder })
     }
 }

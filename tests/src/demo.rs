@@ -27,7 +27,7 @@ pub use work::work;
 use crate::measure::{Ratio, Technique};
 use crate::progress::Progress;
 use crate::{HarnessError, artifacts};
-use parafovea_errors::{Metric, RINGS, Report};
+use parafovea_models::errors::{Metric, RINGS, Report};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::thread::ScopedJoinHandle;

@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 use parafovea_core::geometry::{Fov, eccentricity};
 use parafovea_core::image::Plane;
 use parafovea_core::rate::ShadingRate;
-use parafovea_errors::{Eye, Picture as Seen, Viewing, seen_of_stills};
+use parafovea_models::errors::{Eye, Picture as Seen, Viewing, seen_of_stills};
 use std::f32::consts::FRAC_PI_4;
 use std::path::Path;
 

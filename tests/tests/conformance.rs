@@ -1,6 +1,6 @@
 //! Conformance of the offered gaze (`gaze.offer`): the checks of Khronos' conformance suite (OpenXR-CTS) for a runtime with
 //! XR_EXT_eye_gaze_interaction pass on the mock runtime without it, with the layer, through the real loader. The suite itself is not built
-//! here; the statements are the specification's, checked by the application's cases (`tests/cases/src/cases/conformance`), each with its
+//! here; the statements are the specification's, checked by the application's cases (`tests/zoo/cases/cases/conformance`), each with its
 //! section. That a runtime can fulfil them all is checked on the mock runtime with the extension, without the layer.
 //!
 //! | Suite | Statements | Case |

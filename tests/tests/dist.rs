@@ -1,8 +1,8 @@
 //! Packages for users, installed in folders of their own.
 
-use parafovea_dist::{DistError, Parts, TEST_NAMES, archive, package};
 use parafovea_manifest::json::Half;
 use parafovea_tests::artifacts::{program, system_program};
+use parafovea_tests::dist::{DistError, Parts, TEST_NAMES, archive, package};
 use parafovea_tests::installation::{Driver, Halves, Installation};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_trial::{Lack, skip};

@@ -22,7 +22,7 @@ const TEXTS: [&str; 11] = [
     "core/README.md",
     "tests/baselines/drivers.md",
     "tests/baselines/figures.md",
-    "tests/errors/README.md",
+    "tests/models/src/errors/README.md",
     "tests/report/README.md",
     "tests/runtime/README.md",
     "tests/scene/README.md",

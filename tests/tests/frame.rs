@@ -1,7 +1,7 @@
 //! The runner of `cargo dev bench frame`, with the least effort: correctness, not speed.
 
 use glam::Vec3;
-use parafovea_errors::{Metric, Report};
+use parafovea_models::errors::{Metric, Report};
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::Script;
 use parafovea_scene::script::tracker::Tracker;

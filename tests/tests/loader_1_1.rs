@@ -1,6 +1,7 @@
 //! The same with the OpenXR loader 1.1: the distribution's is the first one, 1.0.20, which all other tests use.
 
 use parafovea_tests::artifacts::target_folder;
+use parafovea_tests::openxr_loader;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
@@ -29,11 +30,10 @@ fn check(application: &Application) {
     let scenario = Scenario::new(FRAMES).sized(256, 256).gazing(14.0, -6.0).saving(&[LAST]);
     let run = || Run::new(application, &scenario).validated();
     let finish = |run: Run| run.finish().unwrap().expect_frames(FRAMES).unwrap();
-    let loader = parafovea_openxr_loader::build(&target_folder().unwrap()).unwrap();
+    let loader = openxr_loader::build(&target_folder().unwrap()).unwrap();
     let with_new_loader = |run: Run| {
         let outcome = finish(run.env("LD_LIBRARY_PATH", &loader).env("LD_DEBUG", "libs"));
-        let initialised =
-            format!("calling init: {}", loader.join(parafovea_openxr_loader::FILE_NAME).display());
+        let initialised = format!("calling init: {}", loader.join(openxr_loader::FILE_NAME).display());
         assert!(outcome.output.contains(&initialised), "the loader is another one\n{}", outcome.output);
         outcome
     };

@@ -16,6 +16,7 @@ mod documents;
 mod enabling;
 mod faults;
 mod frame;
+mod frame_graphs;
 mod gaze_correction;
 mod hello_xr;
 mod inert;

@@ -3,13 +3,14 @@
 
 use crate::osc::{free_address, told};
 use glam::{EulerRot, Quat};
-use parafovea_cases::report::Report;
 use parafovea_manifest::gaze_correction::GazeCorrection;
 use parafovea_manifest::paths::Environment;
 use parafovea_tests::artifacts::target_folder;
+use parafovea_tests::openxr_loader;
 use parafovea_tests::osc::{Sender, message};
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Gaze, Head, Picture, Scenario, ScenarioExt};
+use parafovea_zoo::cases::report::Report;
 use std::net::SocketAddr;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -155,7 +156,7 @@ fn an_application_looks_at_the_gaze_as_on_a_runtime_that_has_it() {
 
 #[test]
 fn an_application_finds_the_gaze_among_many_spaces() {
-    let loader = parafovea_openxr_loader::build(&target_folder().unwrap()).unwrap();
+    let loader = openxr_loader::build(&target_folder().unwrap()).unwrap();
     let arguments = ["finds_the_gaze_among_many_spaces", "--openxr", "1.1"];
     let [_, outcome] = check_run(&arguments, |_| {}, |run| run.env("LD_LIBRARY_PATH", &loader));
     let lines = report(&outcome).trace;

@@ -1,10 +1,10 @@
 //! Sessions that come and go on one device.
 
-use parafovea_cases::life::Life;
-use parafovea_cases::report::Report;
 use parafovea_test_layers::FaultReport;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_zoo::cases::life::Life;
+use parafovea_zoo::cases::report::Report;
 
 /// Attenuates the colour of pictures of one format, for which it takes one graphics pipeline.
 const CHROMA: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n";

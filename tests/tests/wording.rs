@@ -27,28 +27,26 @@ const DOCUMENTS: [&str; 13] = [
     "manifest/GUIDE.md",
     "manifest/HOW-IT-WORKS.md",
     "manifest/OPTIONS.md",
-    "tests/errors/README.md",
+    "tests/models/src/errors/README.md",
     "tests/report/README.md",
     "tests/runtime/README.md",
     "tests/scene/README.md",
 ];
 
 /// Sources with messages and help texts.
-const SOURCES: [&str; 15] = [
+const SOURCES: [&str; 13] = [
     "core/src",
     "layer/audio/src",
-    "layer/probe/src",
     "layer/src",
     "manifest/cli/src",
     "manifest/src",
     "tests/dev/src",
     "tests/sound/src",
-    "tests/errors/src",
     "tests/fuzz/src",
     "tests/report/src",
     "tests/scene/src",
     "tests/src",
-    "tests/trial/src",
+    "tests/dev/trial",
     "tests/zoo/src",
 ];
 

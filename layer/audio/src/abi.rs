@@ -2,10 +2,10 @@
 
 use crate::capture::Capture;
 use crate::settings::{Settings, Source};
-use parafovea_audio_link::{
+use parafovea_core::audio::{AudioSettings, Mode};
+use parafovea_manifest::audio_library::{
     CaptureTable, FeaturesRecord, Handle, SOURCE_FILE, SOURCE_SYSTEM, SettingsRecord, TABLE_VERSION,
 };
-use parafovea_core::audio::{AudioSettings, Mode};
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,7 +1,7 @@
 //! The library that listens, beside this one: loaded when sound is asked for, never unloaded.
 
 use super::own_folder::own_folder;
-use parafovea_audio_link::{
+use parafovea_manifest::audio_library::{
     CaptureTable, FeaturesRecord, GET_TABLE_NAME, GetTable, Handle, LIBRARY_NAME, SettingsRecord,
     TABLE_VERSION,
 };

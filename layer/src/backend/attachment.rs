@@ -10,6 +10,7 @@ pub mod commands;
 pub mod create;
 pub mod framebuffer;
 pub mod image;
+mod images;
 pub mod memory;
 pub mod pipeline;
 pub mod pipelines;

@@ -5,8 +5,8 @@ mod features_file;
 
 use crate::abi::audio_library::Capture;
 use crate::config::{AudioMode, AudioSource, Config, FilePath};
-use parafovea_audio_link::{FeaturesRecord, SOURCE_FILE, SOURCE_SYSTEM, SettingsRecord};
 use parafovea_core::audio::AudioFeatures;
+use parafovea_manifest::audio_library::{FeaturesRecord, SOURCE_FILE, SOURCE_SYSTEM, SettingsRecord};
 use std::ptr::null;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};

@@ -1,6 +1,6 @@
 //! `cargo dev <task>`: the one tool for everyone who works on Parafovea. `cargo dev help` lists the tasks.
 //!
-//! Only the standard library is used here and in `parafovea-trial`, so that the tool itself is built within a second or two; anything
+//! Only the standard library is used here and in the library of this package, so that the tool itself is built within a second or two; anything
 //! with more dependencies (the demo, the benches) is a program of the `parafovea-tests` package that a task builds and runs.
 //! Everything is written below the target folder.
 

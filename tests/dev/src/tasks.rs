@@ -22,7 +22,7 @@ const BENCHES: [(&str, &str); 14] = [
     ("overhead", "parafovea-tests"),
     ("planted", "parafovea-tests"),
     ("safety", "parafovea-models"),
-    ("recognition", "parafovea-wild"),
+    ("recognition", "parafovea-tests"),
     ("reuse", "parafovea-tests"),
     ("sound", "parafovea-sound"),
     ("status", "parafovea-tests"),
@@ -269,22 +269,15 @@ pub fn dist(arguments: &[String]) -> Result<(), String> {
     setup(Voice::Implied)?;
     let mut steps = Steps::default();
     let mut release = cargo();
-    release.args([
-        "build",
-        "--locked",
-        "--release",
-        "-p",
-        "parafovea",
-        "-p",
-        "parafovea-layer",
-        "-p",
-        "parafovea-probe",
-    ]);
+    release.args(["build", "--locked", "--release", "-p", "parafovea", "-p", "parafovea-layer"]);
     if can_build_audio() {
         release.args(["-p", "parafovea-audio"]);
     }
     steps.run("cargo build --release", in_root(&mut release))?;
-    steps.run("cargo build", in_root(cargo().args(["build", "--locked", "-p", "parafovea-dist"])))?;
+    steps.run(
+        "cargo build",
+        in_root(cargo().args(["build", "--locked", "-p", "parafovea-tests", "--bin", "parafovea-dist"])),
+    )?;
     let folder = profile_folder()?;
     let target = folder.parent().ok_or("the target folder is not known")?;
     let pack = folder.join("parafovea-dist");
@@ -301,7 +294,9 @@ fn bench_names() -> String {
 
 /// Every library and program, so that the end-to-end programs find them beside themselves.
 pub fn build(steps: &mut Steps) -> Result<(), String> {
-    steps.run("cargo build", in_root(&mut workspace("build")))
+    // The library that counts allocations is an example.
+    let targets = ["--lib", "--bins", "--examples"];
+    steps.run("cargo build", in_root(workspace("build").args(targets)))
 }
 
 /// A cargo command for all packages that can be built here.

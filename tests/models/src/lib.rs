@@ -8,6 +8,7 @@ pub mod avpm;
 pub mod checks;
 pub mod chroma_report;
 pub mod debug_views;
+pub mod errors;
 pub mod eyes;
 pub mod hard_cases;
 pub mod prediction;

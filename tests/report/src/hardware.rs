@@ -1,13 +1,35 @@
-//! Maps that are compared by the look of hardware rates: one sample for each block of pixels, at its centre.
+//! Maps of shading rates that are compared over the same pictures of the application alone; each costs the share of the pixels that it shades.
 //!
 //! On a device without shading rates the layer masks blocks and fills them, and an application skips and fills blocks as it can: both look otherwise
-//! than rates do. Here each map is resolved over the same pictures of the application alone, and costs the share of the pixels that it shades.
+//! than rates do. So maps are compared by the look of hardware rates, or all of them by that of the mask.
 
 use crate::points::{Extent, Sweep};
 use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::rate::ShadingRate;
 use parafovea_scene::openxr_toolkit::ScreenEllipses;
 use parafovea_tests::measure::Technique;
+use serde::{Deserialize, Serialize};
+
+/// Look of a map over a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Look {
+    /// One sample for each block of pixels, at its centre.
+    #[default]
+    Rates,
+    /// The mask skips blocks of pixels, and its fill interpolates them.
+    Mask,
+}
+
+impl Look {
+    /// In a few words, for titles.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Rates => "by the look of hardware rates",
+            Self::Mask => "by the look of the mask",
+        }
+    }
+}
 
 /// One technique whose map is known.
 #[derive(Clone, Debug, PartialEq)]

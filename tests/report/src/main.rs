@@ -1,8 +1,8 @@
 //! `cargo dev report [--quick | --all] [--json] [...]`: see `--help`.
 
 use clap::Parser;
-use parafovea_errors::fvvdp::Fvvdp;
-use parafovea_report::hardware::hardware_points;
+use parafovea_models::errors::fvvdp::Fvvdp;
+use parafovea_report::hardware::{Look, hardware_points};
 use parafovea_report::pictures::Pictures;
 use parafovea_report::plan::Plan;
 use parafovea_report::points::{Extent, Sweep, points};
@@ -36,7 +36,7 @@ struct Arguments {
     /// Also two scenes generated from this seed, a room and a street: a test on scenes for which nothing was tuned.
     #[arg(long)]
     seed: Option<u32>,
-    /// Number of gaze scripts for the comparison by the look of hardware rates.
+    /// Number of gaze scripts for the comparison of maps.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..100))]
     scripts: Option<u32>,
     /// Techniques instead of the default ones, separated by commas; the application alone is always among them.
@@ -58,9 +58,12 @@ struct Arguments {
     /// CC BY-NC 4.0: not for commercial use.
     #[arg(long, value_name = "PYTHON", conflicts_with = "from")]
     jod: Option<PathBuf>,
-    /// Only the comparison by the look of hardware rates, and render scales, without times.
+    /// Only the comparison of maps of shading rates, and render scales, without times.
     #[arg(long, conflicts_with = "system_driver")]
     maps: bool,
+    /// Look of the compared maps.
+    #[arg(long, value_enum, default_value = "rates")]
+    look: Look,
     /// Use the system's GPU instead of lavapipe.
     #[arg(long)]
     system_driver: bool,
@@ -159,6 +162,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, String> {
         plan.scenes.extend(Kind::ALL.map(|kind| SceneName::Generated(kind, seed)));
     }
     plan.scripts = arguments.scripts.unwrap_or(plan.scripts);
+    plan.look = arguments.look;
     if !arguments.techniques.is_empty() {
         let all = points(Extent::All);
         let shaded = hardware_points(Extent::All);

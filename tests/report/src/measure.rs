@@ -9,8 +9,8 @@ use crate::pictures::Pictures;
 use crate::plan::{Plan, judging, rendering};
 use crate::points::{Point, Sweep};
 use crate::results::{Cost, Errors, Fine, HardCase, PointResults, Results, SceneResults, mean};
-use parafovea_errors::fvvdp::Differences;
-use parafovea_errors::{Metric, RINGS, Report};
+use parafovea_models::errors::fvvdp::Differences;
+use parafovea_models::errors::{Metric, RINGS, Report};
 use parafovea_models::hard_cases;
 use parafovea_scene::scene::SceneName;
 use parafovea_tests::HarnessError;
@@ -100,12 +100,12 @@ fn measure_scene(
     }
     let hardware = match &reference {
         Some(reference) if !plan.hardware.is_empty() => {
-            progress.next(&format!("{}: by the look of hardware rates", subject.name()));
+            progress.next(&format!("{}: maps {}", subject.name(), plan.look.text()));
             let mut found = hardware::measure(plan, (&subject, &scenario, effort), reference, &points)?;
             progress.add(plan.hardware.len() as u64 * plan.judging());
             for script in 1..plan.scripts {
                 let subject = Subject::glancing(scene, plan.tracker, script, jump).on(machine);
-                progress.next(&format!("{}: by the look of hardware rates, gaze {script}", subject.name()));
+                progress.next(&format!("{}: maps {}, gaze {script}", subject.name(), plan.look.text()));
                 hardware::join(&mut found, glances(plan, &subject)?);
                 progress.add(plan.work_of_script());
             }
@@ -122,7 +122,7 @@ fn measure_scene(
     Ok((SceneResults { scene, points, bits, frames_of_script: 0 }, hardware))
 }
 
-/// The points by the look of hardware rates, and the render scales, while the eyes look elsewhere.
+/// The maps and the render scales, while the eyes look elsewhere.
 fn glances(plan: &Plan, subject: &Subject) -> Result<SceneResults, HarnessError> {
     let effort = plan.judged;
     let scenario = with_pictures(subject.scenario(effort), effort);

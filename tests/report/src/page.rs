@@ -2,6 +2,7 @@
 
 use crate::advice::advice;
 use crate::estimates;
+use crate::hardware::Look;
 use crate::pictures::Pictures;
 use crate::plot;
 use crate::points::Sweep;
@@ -11,7 +12,7 @@ use crate::summary::{Row, mean_rows, scene_rows};
 use crate::table::{cells, equal_loss_rows, equal_loss_titles, hardware_rows, hardware_titles, titles};
 use crate::verdict::{Contest, Measure, OURS, RIVALS, Tally, Verdict, contest, tallies, why_not};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use parafovea_errors::RING_NAMES;
+use parafovea_models::errors::RING_NAMES;
 
 const STYLE: &str = "\
 body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;color:#1b1f24}\
@@ -94,7 +95,7 @@ fn first_screen(results: &Results, gpus: &[Results], [timed, shaded]: [&Contests
                 tr { td { (advice.application) } td { (advice.setting) } td { (advice.measured) } }
             }
         }
-        (who_wins(shaded, results.hardware.len(), "share of shaded pixels, by the look of hardware rates"))
+        (who_wins(shaded, results.hardware.len(), &format!("share of shaded pixels, {}", conditions.look.text())))
         (who_wins(timed, results.scenes.len(), "cost on this device"))
         p.note {
             (conditions.date) ", commit " (conditions.commit) ", " (conditions.device) ", " (conditions.processor) ", "
@@ -248,9 +249,12 @@ fn equal_cost(contests: &Contests<'_>) -> Markup {
 /// Everybody's map over the same pictures.
 fn hardware(results: &Results, contests: &Contests<'_>) -> Markup {
     html! {
-        h2 { "By the look of hardware rates" }
+        h2 { "Maps " (results.conditions.look.text()) }
         p.note {
-            "One sample for each block of pixels, at its centre, over the same images of the application alone. FR of the paper rounds each rate to the finer one of four, has no safety margins, and follows the true gaze; "
+            (match results.conditions.look {
+                Look::Rates => "One sample for each block of pixels, at its centre,",
+                Look::Mask => "Blocks that a mask skips, filled from shaded ones,",
+            }) " over the same images of the application alone. FR of the paper rounds each rate to the finer one of four, has no safety margins, and follows the true gaze; "
             "the presets have their margins, and the gaze that the tracker reports. Rings: the presets without contrast. Render scale has its own images. Shaded: samples over pixels. Frames in which the eyes jump are in the last column alone. The mean of " (results.hardware.len()) " scenes."
         }
         table {

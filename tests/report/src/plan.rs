@@ -1,8 +1,8 @@
 //! The plan of a report, before any measurement.
 
-use crate::hardware::{HardwarePoint, Rates, hardware_points};
+use crate::hardware::{HardwarePoint, Look, Rates, hardware_points};
 use crate::points::{Extent, Point, Sweep, points};
-use parafovea_errors::fvvdp::Fvvdp;
+use parafovea_models::errors::fvvdp::Fvvdp;
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
 use parafovea_tests::installation::Driver;
@@ -24,8 +24,10 @@ pub struct Plan {
     pub scenes: Vec<SceneName>,
     /// Techniques on it, the application alone first.
     pub points: Vec<Point>,
-    /// Maps over the pictures of the judged runs, by the look of hardware rates.
+    /// Maps over the pictures of the judged runs.
     pub hardware: Vec<HardwarePoint>,
+    /// Their look.
+    pub look: Look,
     /// Gaze scripts by which these are judged: the scene's, and others, whose eyes look farther to the side.
     pub scripts: u32,
     /// The timed runs of each.
@@ -50,6 +52,7 @@ impl Plan {
             scenes: vec![SceneName::Cockpit, SceneName::Foliage],
             points: points(Extent::Quick),
             hardware: hardware_points(Extent::Quick),
+            look: Look::Rates,
             scripts: 1,
             timed,
             judged: Effort { turns: 1, ..timed },
@@ -106,7 +109,7 @@ impl Plan {
         judging(self.judged) * if self.fvvdp.is_some() { 3 } else { 1 }
     }
 
-    /// The work of judging the look of hardware rates by one more gaze script.
+    /// The work of judging maps by one more gaze script.
     pub fn work_of_script(&self) -> u64 {
         let shown = 1 + self.scaled() + self.attached();
         let judged = self.scaled() + self.hardware.len();

@@ -1,9 +1,10 @@
 //! Results of measurements, as stored: a page is made from them, at once or later, here or at their commit.
 
+use crate::hardware::Look;
 use crate::points::Sweep;
 use crate::statistics::{CostAndLoss, RatePoint};
-use parafovea_errors::RINGS;
-use parafovea_errors::fvvdp::Differences;
+use parafovea_models::errors::RINGS;
+use parafovea_models::errors::fvvdp::Differences;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -47,6 +48,9 @@ pub struct Conditions {
     pub timed: [u64; 4],
     /// Parameters of the judged runs: run-up, frames and pixels of a side.
     pub judged: [u64; 3],
+    /// Look of the compared maps.
+    #[serde(default)]
+    pub look: Look,
     /// Version of FovVideoVDP that judged by JOD; `None`: that was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fvvdp: Option<String>,

@@ -2,7 +2,7 @@
 
 use crate::points::Sweep;
 use crate::results::{PointResults, Results, SceneResults, mean};
-use parafovea_errors::RINGS;
+use parafovea_models::errors::RINGS;
 
 /// One technique in a scene, or in the mean of several.
 #[derive(Clone, Debug, PartialEq)]

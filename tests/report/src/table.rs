@@ -6,7 +6,7 @@ use crate::page::contests;
 use crate::results::{PointResults, Results, mean};
 use crate::summary::{Row, mean_rows, scene_rows};
 use crate::verdict::{Tally, tallies};
-use parafovea_errors::RING_NAMES;
+use parafovea_models::errors::RING_NAMES;
 use parafovea_tests::measure::{Comparison, Row as JsonRow};
 
 /// The titles of the main table's columns.
@@ -66,7 +66,7 @@ pub fn markdown(results: &Results, gpu: &[Row]) -> String {
     text
 }
 
-/// The titles of the table by the look of hardware rates.
+/// The titles of the table of maps.
 pub fn hardware_titles(results: &Results) -> Vec<&'static str> {
     let mut titles =
         vec!["technique", "shaded", "contrast loss, JND", "detected, JND", "detected in saccades, JND"];
@@ -114,7 +114,7 @@ fn hardware_markdown(results: &Results) -> String {
         return String::new();
     }
     let mut text =
-        format!("### By the look of hardware rates, mean of {} scenes\n\n", results.hardware.len());
+        format!("### Maps {}, mean of {} scenes\n\n", results.conditions.look.text(), results.hardware.len());
     let titles = hardware_titles(results);
     text += &format!("| {} |\n|---|{}\n", titles.join(" | "), "---:|".repeat(titles.len() - 1));
     for row in hardware_rows(results) {

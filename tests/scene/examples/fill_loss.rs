@@ -8,7 +8,7 @@ use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::fill::{FillFormat, blend};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
-use parafovea_errors::{Eye, Picture, Viewing, seen_of_stills};
+use parafovea_models::errors::{Eye, Picture, Viewing, seen_of_stills};
 use parafovea_scene::camera::Camera;
 use parafovea_scene::offscreen::Offscreen;
 use parafovea_scene::scene::SceneName;

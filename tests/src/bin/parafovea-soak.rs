@@ -2,10 +2,10 @@
 //! comes and goes, a runtime that fails the layer now and then, and a configuration that is edited; beside it the same without the
 //! layer. Fails if the layer's process takes more and more memory, threads or file descriptors.
 
-use parafovea_cases::life::Life;
 use parafovea_tests::HarnessError;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Answer, Fault, Gaze, Scenario, ScenarioExt};
+use parafovea_zoo::cases::life::Life;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 

@@ -7,7 +7,7 @@ use crate::measure::{Effort, JudgedRun, Subject, Technique, judge_runs, with_pic
 use crate::picture::Picture;
 use crate::run::Outcome;
 use crate::scenario::Scenario;
-use parafovea_errors::Report;
+use parafovea_models::errors::Report;
 
 /// Frames from the first judged one to the one of the picture: the eyes still rest then.
 const SHOWN_AFTER: u64 = 3;

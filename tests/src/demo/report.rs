@@ -2,7 +2,7 @@
 
 use super::{Finding, Saving};
 use crate::HarnessError;
-use parafovea_errors::RING_NAMES;
+use parafovea_models::errors::RING_NAMES;
 
 /// Prints costs, decisions and errors, an application a row.
 pub fn print_tables(findings: &[Finding], savings: &[Saving]) {

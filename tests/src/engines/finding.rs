@@ -8,7 +8,7 @@ use super::system::{System, Watch};
 use crate::HarnessError;
 use crate::demo::{Cost, Decision};
 use crate::measure::{Ratio, Samples};
-use parafovea_errors::{Clip, RING_NAMES};
+use parafovea_models::errors::{Clip, RING_NAMES};
 use serde::Serialize;
 use std::fs;
 

@@ -4,7 +4,7 @@ use crate::HarnessError;
 use crate::picture::Picture;
 use glam::Vec3;
 use parafovea_core::geometry::Fov;
-use parafovea_errors::{Clip, Eye, Frame, Metric, RING_NAMES, RINGS, Report, Viewing, judge};
+use parafovea_models::errors::{Clip, Eye, Frame, Metric, RING_NAMES, RINGS, Report, Viewing, judge};
 use parafovea_test_layers::CapturedView;
 use serde::Serialize;
 use std::fs;
@@ -77,7 +77,8 @@ fn frame(folder: &Path, number: u32) -> Result<Frame, HarnessError> {
         let Some(view) = views.get(index) else { return Ok(None) };
         let picture = Picture::load(&folder.join(format!("{number}-{index}.png")))?;
         let [left, right, up, down] = view.fov;
-        let codes = parafovea_errors::Picture::from_srgb8(picture.width, picture.height, &picture.pixels);
+        let codes =
+            parafovea_models::errors::Picture::from_srgb8(picture.width, picture.height, &picture.pixels);
         let fov = Fov { left, right, up, down };
         Ok(codes.map(|picture| Eye { picture, fov, gaze: AHEAD, age: None }))
     };

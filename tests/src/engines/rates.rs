@@ -1,14 +1,14 @@
 //! The look that a device with shading rates would give to an engine's pictures, with the map that the layer plans for them.
 //!
 //! No CPU device has rates, and the layer of tests that stands in for them draws everything in full. So pictures of the engine alone are
-//! shown at the rates of the map, as `cargo dev report` does ([`parafovea_errors::Picture::shaded_at`]).
+//! shown at the rates of the map, as `cargo dev report` does ([`parafovea_models::errors::Picture::shaded_at`]).
 
 use glam::{Quat, Vec3};
 use parafovea::config::{Config, GazeSource, Preset};
 use parafovea::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord};
 use parafovea::planner::{Capabilities, Planning, ShownView, View};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
-use parafovea_errors::{Clip, Eye};
+use parafovea_models::errors::{Clip, Eye};
 
 /// Size of a tile, pixels: that of most devices.
 const TEXEL: u32 = 16;
@@ -84,7 +84,7 @@ fn maps(eyes: [&Eye; 2], preset: Preset) -> Option<[Map; 2]> {
 mod tests {
     use super::*;
     use parafovea_core::geometry::Fov;
-    use parafovea_errors::{Frame, Picture};
+    use parafovea_models::errors::{Frame, Picture};
 
     /// Stripes of one pixel, of which a block of several shows the mean.
     #[test]

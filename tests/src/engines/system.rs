@@ -6,9 +6,9 @@ use super::pictures;
 use super::seen::Seen;
 use crate::HarnessError;
 use crate::artifacts::{Library, program};
-use parafovea_errors::Clip;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Status, read_all};
+use parafovea_models::errors::Clip;
 use parafovea_test_layers::validation::VALIDATION_LAYER;
 use parafovea_test_layers::{
     CAPTURE_FOLDER_VARIABLE, CAPTURE_LAYER, SAMPLES_FILE_VARIABLE, TestLayer, capture_manifest,

@@ -5,7 +5,7 @@ use crate::HarnessError;
 use crate::run::Outcome;
 use crate::scenario::{Picture, Scenario, View};
 use parafovea_core::geometry::Fov;
-use parafovea_errors::{Eye, Frame, Judge, Report, Viewing};
+use parafovea_models::errors::{Eye, Frame, Judge, Report, Viewing};
 use parafovea_scene::scene::FRAMES_PER_SECOND;
 use parafovea_scene::script::WHITE_CD_M2;
 
@@ -96,7 +96,7 @@ pub fn judge_shaded(
     subject: &Subject,
     scenario: &Scenario,
     reference: &Outcome,
-    alter: impl Fn(u64, usize, &parafovea_errors::Picture) -> parafovea_errors::Picture,
+    alter: impl Fn(u64, usize, &parafovea_models::errors::Picture) -> parafovea_models::errors::Picture,
 ) -> Result<Report, HarnessError> {
     let failed = |error| reference.failed(&format!("its pictures cannot be judged: {error}"));
     let mut judge = Judge::new(viewing()).map_err(failed)?;
@@ -128,7 +128,7 @@ fn shown(
 pub(super) fn shown_to(run: JudgedRun, frame: u64, eye: usize) -> Result<Option<Eye>, HarnessError> {
     let Some(view) = run.scenario.views.get(eye) else { return Ok(None) };
     let picture = run.outcome.eye(eye, frame)?;
-    let codes = parafovea_errors::Picture::from_srgb8(picture.width, picture.height, &picture.pixels);
+    let codes = parafovea_models::errors::Picture::from_srgb8(picture.width, picture.height, &picture.pixels);
     let gaze = run.subject.true_gaze(frame, view);
     Ok(codes.map(|picture| Eye { picture, fov: fov(view), gaze, age: None }))
 }

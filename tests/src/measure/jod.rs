@@ -3,8 +3,8 @@
 use super::JudgedRun;
 use super::errors::{shown_to, viewing};
 use crate::HarnessError;
-use parafovea_errors::fvvdp::{Fvvdp, Jod};
-use parafovea_errors::{Clip, Frame, Picture};
+use parafovea_models::errors::fvvdp::{Fvvdp, Jod};
+use parafovea_models::errors::{Clip, Frame, Picture};
 
 /// JOD of `test` beside `reference`, both [`with_pictures`](super::with_pictures), for one eye (0 left, 1 right) that looks where it truly does.
 ///

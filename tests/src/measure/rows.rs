@@ -1,7 +1,7 @@
 //! Lines of results, for programs.
 
 use super::{Samples, Timing};
-use parafovea_errors::Report;
+use parafovea_models::errors::Report;
 use serde::Serialize;
 
 /// One figure.

@@ -1,7 +1,7 @@
 //! The figures of one subject as a table in Markdown.
 
 use super::Timing;
-use parafovea_errors::{Metric, RING_NAMES, RINGS, Report};
+use parafovea_models::errors::{Metric, RING_NAMES, RINGS, Report};
 use std::fmt::{self, Display};
 
 /// Costs of techniques on one subject, and their errors.

@@ -1,9 +1,9 @@
 //! Every case of `parafovea-cases` about input, and runtimes that are not as they should be.
 
 use super::{assert_ours_is_first, following, gaze_reads, input_at_the_runtime, new_errors, run, scenario};
-use parafovea_cases::report::Report;
 use parafovea_tests::run::{Application, Outcome};
 use parafovea_tests::scenario::{Gaze, Scenario};
+use parafovea_zoo::cases::report::Report;
 
 /// A case with its expectations of the layer.
 struct Case {

@@ -1,10 +1,10 @@
 //! One run of one case.
 
 use super::Case;
-use parafovea_cases::report::Report;
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{FovDegrees, Scenario, ScenarioExt};
+use parafovea_zoo::cases::report::Report;
 use std::collections::BTreeMap;
 use std::time::Duration;
 

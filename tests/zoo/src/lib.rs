@@ -5,6 +5,7 @@
 //! ([`Style::passes`]).
 
 mod app;
+pub mod cases;
 mod gpu;
 mod look;
 mod options;

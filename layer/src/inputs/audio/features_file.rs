@@ -8,8 +8,8 @@
 //! Without `gamma_ld`, `gamma_fq_kilomel` and `silent`: plans took nothing. `loudness_lufs`, `age_ms` and `confidence` are those
 //! of the newest features, and not there before the first; loudness is null in silence.
 
-use parafovea_audio_link::FeaturesRecord;
 use parafovea_core::audio::AudioFeatures;
+use parafovea_manifest::audio_library::FeaturesRecord;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Write as _;

@@ -9,16 +9,15 @@ mod content;
 mod feedback;
 mod group;
 mod kind;
+mod known;
 mod remembered;
 mod screens;
 
-use super::candidate;
 use super::feedback::is_picture;
-use super::memory::Memory;
-use super::projected::Swapchains;
 use crate::pass_detection::{Event, ImageKey, Pass, Reads};
 use group::{Group, Groups};
 use kind::Kind;
+pub(super) use known::Known;
 use remembered::Remembered;
 use smallvec::SmallVec;
 
@@ -86,13 +85,6 @@ enum Origins {
         /// Whether it may show more than that.
         has_unknown: bool,
     },
-}
-
-/// Knowledge of images besides a frame's events.
-pub(super) struct Known<'a> {
-    pub(super) frame: u64,
-    pub(super) memory: &'a Memory,
-    pub(super) swapchains: &'a Swapchains,
 }
 
 /// Findings of a frame besides roles.
@@ -385,40 +377,6 @@ fn writes(pass: &Pass, image: ImageKey) -> bool {
 /// Size of a pass's render area.
 fn area(pass: &Pass) -> [u32; 2] {
     [pass.area[2], pass.area[3]]
-}
-
-/// Least side of a picture that is passed on, in sides of the render area that it is passed on to.
-const LEAST_SIDE: f32 = 0.25;
-
-impl Known<'_> {
-    fn extent(&self, image: ImageKey) -> Option<[u32; 2]> {
-        self.memory.description(image).map(|image| image.extent)
-    }
-
-    /// Whether an image may be the picture that a pass passes on, or have a number for each of its pixels.
-    fn is_picture(&self, image: ImageKey, pass: &Pass) -> bool {
-        self.memory.description(image).is_none_or(|image| {
-            let is_large = |axis: usize| image.extent[axis] as f32 >= LEAST_SIDE * area(pass)[axis] as f32;
-            let holds_colours = candidate::holds_colours(image.format);
-            image.extent == area(pass) || (holds_colours && is_large(0) && is_large(1))
-        })
-    }
-
-    fn writes_picture(&self, pass: &Pass) -> bool {
-        pass.colors.iter().chain(&pass.resolves).any(|target| {
-            match self.memory.description(target.image).and_then(|image| image.swapchain) {
-                Some(swapchain) => self.swapchains.shows_eyes(swapchain, target),
-                None => self.memory.is_placed(self.frame, target.image),
-            }
-        })
-    }
-
-    /// Whether a full-screen pass that reads these images of the scene shades it: a G-buffer has at least two that hold colours, and a
-    /// visibility buffer has none.
-    fn is_shading(&self, images: impl Iterator<Item = ImageKey>) -> bool {
-        let described = images.filter_map(|image| self.memory.description(image));
-        described.filter(|image| candidate::holds_colours(image.format)).count() != 1
-    }
 }
 
 #[cfg(test)]

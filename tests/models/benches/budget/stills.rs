@@ -9,7 +9,7 @@ use parafovea_core::kernels::analyze::{Buffers, ContrastSettings, analyze};
 use parafovea_core::perception::ContrastMap;
 use parafovea_core::perception::luminance::luminance_plane;
 use parafovea_core::rate::ShadingRate;
-use parafovea_errors::{Eye, Picture, Viewing, seen_of_stills};
+use parafovea_models::errors::{Eye, Picture, Viewing, seen_of_stills};
 use parafovea_scene::camera::Camera;
 use parafovea_scene::offscreen::Offscreen;
 use parafovea_scene::scene::SceneName;

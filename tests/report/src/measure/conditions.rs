@@ -20,7 +20,8 @@ pub fn conditions(plan: &Plan, machine: &Machine, command: &str) -> Conditions {
         command: command.to_owned(),
         timed: [timed.turns as u64, timed.run_up, timed.frames, u64::from(timed.size)],
         judged: [judged.run_up, judged.frames, u64::from(judged.size)],
-        fvvdp: plan.fvvdp.as_ref().map(|_| parafovea_errors::fvvdp::VERSION.to_owned()),
+        look: plan.look,
+        fvvdp: plan.fvvdp.as_ref().map(|_| parafovea_models::errors::fvvdp::VERSION.to_owned()),
     }
 }
 

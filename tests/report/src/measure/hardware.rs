@@ -1,16 +1,17 @@
-//! Maps over the pictures of the application alone, as a device with shading rates would show them.
+//! Maps over the pictures of the application alone.
 
 use super::{EYE_OF_JOD, at_once, errors, flights, show};
-use crate::hardware::{HardwarePoint, Rates};
+use crate::hardware::{HardwarePoint, Look, Rates};
 use crate::plan::Plan;
 use crate::points::Sweep;
 use crate::results::{Cost, PointResults, SceneResults, mean};
 use glam::{Quat, Vec2, Vec3};
 use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::image::Plane;
+use parafovea_core::mask::{Mask, MaskView, TileRates};
 use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RateSettings, SafetySettings};
 use parafovea_core::rate::ShadingRate;
-use parafovea_errors::Picture;
+use parafovea_models::errors::Picture;
 use parafovea_scene::openxr_toolkit::ScreenEllipses;
 use parafovea_test_layers::{
     SHADING_RATE_GPU_VARIABLE, SHADING_RATE_TEXELS_VARIABLE, ShadingRateLine, ShadingRatePass,
@@ -42,6 +43,15 @@ impl EyeRates {
         let texels = self.rates.texels();
         texels.iter().map(|rate| f64::from(rate.fraction())).sum::<f64>() / texels.len().max(1) as f64
     }
+
+    /// The mask of a device without shading rates.
+    fn mask(&self, extent: [u32; 2]) -> Mask {
+        let bytes: Vec<u8> = self.rates.texels().iter().map(|rate| rate.texel()).collect();
+        let tiles = TileRates { texel: self.tile, first: [0; 2], columns: self.rates.width(), rates: &bytes };
+        let mut mask = Mask::new(extent, 1);
+        mask.resolve(&[MaskView { layer: 0, offset: [0; 2], extent, tiles }]);
+        mask
+    }
 }
 
 /// All points in a scene, behind the application alone. `others` were judged by their own pictures, which look on any device as they
@@ -69,7 +79,10 @@ pub fn measure(
         let judged = at_once(&planned, |(_, maps)| {
             let look = |frame: u64, eye: usize, picture: &Picture| {
                 let map = &maps[(frame - effort.run_up) as usize][eye];
-                picture.shaded_at(|x, y| map.at(x, y))
+                match plan.look {
+                    Look::Rates => picture.shaded_at(|x, y| map.at(x, y)),
+                    Look::Mask => picture.filled_by(&map.mask(picture.extent())),
+                }
             };
             let report = judge_shaded(subject, scenario, reference, look)?;
             let jod = plan.fvvdp.as_ref().map(|fvvdp| {
@@ -78,7 +91,11 @@ pub fn measure(
             Ok(errors(&report, &in_flight, jod.transpose()?.map(|jod| jod.differences)))
         })?;
         for ((HardwarePoint { sweep, name, .. }, maps), errors) in planned.iter().zip(judged) {
-            let shares = maps.iter().map(|eyes| eyes.iter().map(EyeRates::share).sum::<f64>() / 2.0);
+            let share = |eye: &EyeRates| match plan.look {
+                Look::Rates => eye.share(),
+                Look::Mask => f64::from(eye.mask([effort.size; 2]).shaded()),
+            };
+            let shares = maps.iter().map(|eyes| eyes.iter().map(share).sum::<f64>() / 2.0);
             found.push(result(*sweep, name, shares.collect(), Some(errors)));
         }
     }

@@ -1,7 +1,7 @@
 //! The judge in JOD, with a program in place of Python.
 
 use crate::made_up::{results, results_with_jod};
-use parafovea_errors::fvvdp::Fvvdp;
+use parafovea_models::errors::fvvdp::Fvvdp;
 use parafovea_report::page::{contests, page};
 use parafovea_report::pictures::Pictures;
 use parafovea_report::plan::Plan;

@@ -1,7 +1,8 @@
 //! Made-up results.
 
-use parafovea_errors::RINGS;
-use parafovea_errors::fvvdp::Differences;
+use parafovea_models::errors::RINGS;
+use parafovea_models::errors::fvvdp::Differences;
+use parafovea_report::hardware::Look;
 use parafovea_report::points::Sweep;
 use parafovea_report::results::{
     Bits, Conditions, Cost, Errors, HardCase, PointResults, Results, SceneResults,
@@ -23,6 +24,7 @@ pub fn conditions() -> Conditions {
         command: "cargo dev report --quick".to_owned(),
         timed: [2, 120, 30, 512],
         judged: [120, 30, 512],
+        look: Look::Rates,
         fvvdp: None,
     }
 }

@@ -1,7 +1,7 @@
 //! The files.
 
 use crate::made_up::results;
-use parafovea_errors::RINGS;
+use parafovea_models::errors::RINGS;
 use parafovea_report::advice::advice;
 use parafovea_report::page::page;
 use parafovea_report::pictures::Pictures;

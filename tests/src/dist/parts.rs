@@ -1,0 +1,137 @@
+//! Parts of a package.
+
+use super::{DistError, NEWEST_GLIBC, newest_glibc, test_names};
+use parafovea_manifest::install::{AUDIO_LIBRARY_NAME, LIBRARY_NAME};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A file of an archive.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// Its path below the top of the archive.
+    pub path: String,
+    /// Its permissions.
+    pub mode: u32,
+    /// Its content.
+    pub content: Vec<u8>,
+}
+
+impl Entry {
+    pub(crate) fn new(path: impl Into<String>, mode: u32, content: impl Into<Vec<u8>>) -> Self {
+        Self { path: path.into(), mode, content: content.into() }
+    }
+}
+
+/// Parts of a package: programs and libraries from cargo's build, and texts.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    /// `parafovea`.
+    pub command: Vec<u8>,
+    /// `parafovea-probe`.
+    pub probe: Vec<u8>,
+    /// The libraries by their file names: the layer's, and that which listens, where it was built.
+    pub libraries: Vec<(&'static str, Vec<u8>)>,
+    /// Completions for bash, zsh and fish, and the manual page.
+    pub generated: [Vec<u8>; 4],
+    /// Texts for people by their file names.
+    pub texts: Vec<(&'static str, Vec<u8>)>,
+    /// The newest version of the C library that any of it needs.
+    pub glibc: [u32; 2],
+    /// When the command was built, seconds since 1970: the time of all files.
+    pub time: u64,
+}
+
+/// Kinds of output of [`Parts::generated`].
+const GENERATED: [&str; 4] = ["bash", "zsh", "fish", "man"];
+
+/// The guide, the options, how it works, and the pictures in that.
+const GUIDE: [&str; 7] = [
+    "GUIDE.md",
+    "OPTIONS.md",
+    "HOW-IT-WORKS.md",
+    "pictures/age.png",
+    "pictures/eccentricity.png",
+    "pictures/gaze.png",
+    "pictures/rates.png",
+];
+
+impl Parts {
+    /// Takes cargo's build from `built` (`target/release`), and the texts of `repository`.
+    ///
+    /// # Errors
+    /// Something is missing, does not run, or needs a newer C library than [`NEWEST_GLIBC`].
+    pub fn collect(built: &Path, repository: &Path) -> Result<Self, DistError> {
+        let read = |path: &Path| fs::read(path).map_err(DistError::file(path));
+        let command = built.join("parafovea");
+        let mut parts = Self {
+            command: read(&command)?,
+            probe: read(&built.join("parafovea-probe"))?,
+            libraries: vec![(LIBRARY_NAME, read(&library(built, LIBRARY_NAME))?)],
+            generated: Default::default(),
+            texts: Vec::new(),
+            glibc: [0; 2],
+            time: modified(&command),
+        };
+        let audio = library(built, AUDIO_LIBRARY_NAME);
+        if audio.is_file() {
+            parts.libraries.push((AUDIO_LIBRARY_NAME, read(&audio)?));
+        }
+        for (what, text) in GENERATED.into_iter().zip(&mut parts.generated) {
+            *text = generate(&command, what)?;
+        }
+        for name in ["README.md", "LICENSE-APACHE", "LICENSE-MIT"] {
+            parts.texts.push((name, read(&repository.join(name))?));
+        }
+        for name in GUIDE {
+            parts.texts.push((name, read(&repository.join("manifest").join(name))?));
+        }
+        let programs = [("parafovea", &parts.command), ("parafovea-probe", &parts.probe)];
+        let libraries = parts.libraries.iter().map(|(name, bytes)| (*name, bytes));
+        for (name, bytes) in programs.into_iter().chain(libraries) {
+            let needs = newest_glibc(bytes).unwrap_or_default();
+            if needs > NEWEST_GLIBC {
+                return Err(DistError::TooNew { path: built.join(name), needs });
+            }
+            parts.glibc = parts.glibc.max(needs);
+        }
+        Ok(parts)
+    }
+
+    /// Checks that no program or library is a build for tests.
+    ///
+    /// # Errors
+    /// [`DistError::ForTests`].
+    pub fn check_release(&self) -> Result<(), DistError> {
+        let programs = [("parafovea", &self.command), ("parafovea-probe", &self.probe)];
+        let libraries = self.libraries.iter().map(|(name, bytes)| (*name, bytes));
+        for (name, bytes) in programs.into_iter().chain(libraries) {
+            let names = test_names(bytes);
+            if !names.is_empty() {
+                return Err(DistError::ForTests { name, names });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Cargo puts a library into `deps`, and beside the programs where it was asked for by itself: the newer one.
+fn library(built: &Path, name: &str) -> PathBuf {
+    let copies = [built.join(name), built.join("deps").join(name)];
+    let [first, _] = copies.clone();
+    copies.into_iter().filter(|path| path.is_file()).max_by_key(|path| modified(path)).unwrap_or(first)
+}
+
+fn modified(path: &Path) -> u64 {
+    let time = fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
+    time.and_then(|time| Some(time.duration_since(std::time::UNIX_EPOCH).ok()?.as_secs())).unwrap_or(0)
+}
+
+fn generate(command: &Path, what: &'static str) -> Result<Vec<u8>, DistError> {
+    let output = Command::new(command).args(["generate", what]).output().map_err(DistError::file(command))?;
+    if !output.status.success() || output.stdout.is_empty() {
+        let output = String::from_utf8_lossy(&output.stderr).into_owned();
+        return Err(DistError::Generate { what, output });
+    }
+    Ok(output.stdout)
+}
