@@ -18,7 +18,7 @@ use tempfile::TempDir;
 
 /// The program by another name, which is that of its defect.
 fn python(name: &str) -> (TempDir, PathBuf) {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../errors/src/fvvdp/fake_python.sh");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/src/errors/fvvdp/fake_python.sh");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::os::unix::fs::symlink(script, &path).unwrap();

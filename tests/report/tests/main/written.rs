@@ -3,6 +3,7 @@
 use crate::made_up::results;
 use parafovea_models::errors::RINGS;
 use parafovea_report::advice::advice;
+use parafovea_report::hardware::Look;
 use parafovea_report::page::page;
 use parafovea_report::pictures::Pictures;
 use parafovea_report::results::Results;
@@ -58,7 +59,7 @@ fn the_page_is_well_formed_and_needs_nothing_else() {
 #[test]
 fn the_look_of_hardware_rates_has_a_table_and_verdicts() {
     let mut results = results();
-    let words = "By the look of hardware rates";
+    let words = "Maps by the look of hardware rates";
     assert!(!written_page(&results).contains(words), "nobody measured it");
     results.hardware = results.scenes.clone();
     let html = written_page(&results);
@@ -67,6 +68,9 @@ fn the_look_of_hardware_rates_has_a_table_and_verdicts() {
     // Cost and mean loss of two scenes.
     assert!(table.contains("<td>preset balanced</td><td>0.550</td>"), "{table}");
     assert!(html.contains("out of 2, with a lower loss than the alternative at equal share"), "{html}");
+    results.conditions.look = Look::Mask;
+    let html = written_page(&results);
+    assert!(html.contains("Maps by the look of the mask") && !html.contains(words), "{html}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::f32::consts::FRAC_PI_4;
 
 /// `fake_python.sh` by another name. It is linked to, not copied: Linux starts no program that is open for writing.
 fn python(name: &str) -> (tempfile::TempDir, PathBuf) {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/src/fvvdp/fake_python.sh");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/src/errors/fvvdp/fake_python.sh");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::os::unix::fs::symlink(script, &path).unwrap();
