@@ -3,6 +3,30 @@
 use ash::vk::{self, API_VERSION_1_1, API_VERSION_1_2, API_VERSION_1_3};
 use std::ffi::CStr;
 
+/// The types of functions: those of `ash`, and newer ones.
+#[allow(non_camel_case_types, reason = "names of the specification, as `ash` has them")]
+pub mod types {
+    use crate::vk::recording::generated::GeneratedCommandsInfo;
+    use crate::vk::recording::heaps::{BindHeapInfo, PushDataInfo};
+    use ash::vk::{Bool32, CommandBuffer};
+    use std::ffi::c_void;
+
+    pub use ash::vk::*;
+
+    /// `vkCmdEndRendering2KHR` (VK_KHR_maintenance10), which began as `vkCmdEndRendering2EXT` (VK_EXT_fragment_density_map_offset).
+    pub type PFN_vkCmdEndRendering2 = unsafe extern "system" fn(CommandBuffer, info: *const c_void);
+
+    /// `vkCmdBindSamplerHeapEXT` and `vkCmdBindResourceHeapEXT` (VK_EXT_descriptor_heap).
+    pub type PFN_vkCmdBindHeap = unsafe extern "system" fn(CommandBuffer, *const BindHeapInfo);
+
+    /// `vkCmdPushDataEXT` (VK_EXT_descriptor_heap).
+    pub type PFN_vkCmdPushData = unsafe extern "system" fn(CommandBuffer, *const PushDataInfo);
+
+    /// `vkCmdExecuteGeneratedCommandsEXT` (VK_EXT_device_generated_commands).
+    pub type PFN_vkCmdExecuteGeneratedCommandsEXT =
+        unsafe extern "system" fn(CommandBuffer, is_preprocessed: Bool32, *const GeneratedCommandsInfo);
+}
+
 /// Newer than the headers of `ash`.
 const API_VERSION_1_4: u32 = vk::make_api_version(0, 1, 4, 0);
 
@@ -98,6 +122,8 @@ macro_rules! armed_functions {
                 since API_VERSION_1_3, before c"vkCmdBeginRenderingKHR" => rendering::begin;
             cmd_end_rendering: PFN_vkCmdEndRendering = c"vkCmdEndRendering"
                 since API_VERSION_1_3, before c"vkCmdEndRenderingKHR" => rendering::end;
+            cmd_end_rendering2: PFN_vkCmdEndRendering2 = c"vkCmdEndRendering2KHR" => rendering::end2;
+            cmd_end_rendering2_ext: PFN_vkCmdEndRendering2 = c"vkCmdEndRendering2EXT" => rendering::end2_ext;
             create_shader_module: PFN_vkCreateShaderModule = c"vkCreateShaderModule" => shader_modules::create_shader_module;
             destroy_shader_module: PFN_vkDestroyShaderModule = c"vkDestroyShaderModule"
                 => shader_modules::destroy_shader_module;
@@ -134,6 +160,10 @@ macro_rules! armed_functions {
                 => draws::draw_multi_indexed;
             cmd_draw_indirect_byte_count: PFN_vkCmdDrawIndirectByteCountEXT = c"vkCmdDrawIndirectByteCountEXT"
                 => draws::draw_byte_count;
+            cmd_execute_generated_commands: PFN_vkCmdExecuteGeneratedCommandsEXT = c"vkCmdExecuteGeneratedCommandsEXT"
+                => generated::execute;
+            cmd_execute_generated_commands_nv: PFN_vkCmdExecuteGeneratedCommandsNV = c"vkCmdExecuteGeneratedCommandsNV"
+                => generated::execute_nv;
 
             cmd_set_viewport: PFN_vkCmdSetViewport = c"vkCmdSetViewport" => drawing::set_viewport;
             cmd_set_scissor: PFN_vkCmdSetScissor = c"vkCmdSetScissor" => drawing::set_scissor;
@@ -161,6 +191,12 @@ macro_rules! armed_functions {
                 c"vkCmdBindDescriptorBufferEmbeddedSamplersEXT" => descriptor_buffers::bind_samplers;
             cmd_bind_descriptor_buffer_embedded_samplers2: PFN_vkCmdBindDescriptorBufferEmbeddedSamplers2EXT =
                 c"vkCmdBindDescriptorBufferEmbeddedSamplers2EXT" => descriptor_buffers::bind_samplers2;
+            cmd_bind_sampler_heap: PFN_vkCmdBindHeap = c"vkCmdBindSamplerHeapEXT" => heaps::bind_samplers;
+            cmd_bind_resource_heap: PFN_vkCmdBindHeap = c"vkCmdBindResourceHeapEXT" => heaps::bind_resources;
+            cmd_push_data: PFN_vkCmdPushData = c"vkCmdPushDataEXT" => heaps::push_data;
+            cmd_push_constants: PFN_vkCmdPushConstants = c"vkCmdPushConstants" => heaps::push_constants;
+            cmd_push_constants2: PFN_vkCmdPushConstants2KHR = c"vkCmdPushConstants2"
+                since API_VERSION_1_4, before c"vkCmdPushConstants2KHR" => heaps::push_constants2;
 
             cmd_set_stencil_test_enable: PFN_vkCmdSetStencilTestEnable = c"vkCmdSetStencilTestEnable"
                 since API_VERSION_1_3, before c"vkCmdSetStencilTestEnableEXT" => stencil::set_test;
@@ -206,7 +242,7 @@ macro_rules! armed_table {
         /// The next layer's functions under the hooks of armed devices; `None` for a function that the device lacks.
         #[derive(Clone, Copy)]
         pub struct ArmedTable {
-            $(pub $field: Option<vk::$pfn>,)*
+            $(pub $field: Option<types::$pfn>,)*
         }
 
         impl ArmedTable {
@@ -224,7 +260,7 @@ macro_rules! armed_table {
                         $(let name = if version >= $version { name } else { $extension };)?
                         // SAFETY: `get` returns the function of that name, as this function requires, and the list gives each name its type.
                         unsafe {
-                            std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::$pfn>>(get(name))
+                            std::mem::transmute::<vk::PFN_vkVoidFunction, Option<types::$pfn>>(get(name))
                         }
                     },)*
                 }

@@ -9,6 +9,8 @@ pub mod compute;
 pub mod descriptor_buffers;
 pub mod drawing;
 pub mod draws;
+pub mod generated;
+pub mod heaps;
 pub mod image_layouts;
 pub mod passes;
 pub mod pending;
@@ -334,6 +336,14 @@ fn area(rect: vk::Rect2D) -> [u32; 4] {
         rect.extent.width,
         rect.extent.height,
     ]
+}
+
+/// Begins to keep a primary command buffer, and returns it.
+#[cfg(test)]
+pub fn keep(armed: &Arc<Armed>, handle: vk::CommandBuffer) -> Arc<Buffer> {
+    let buffer = Arc::new(Buffer::new(Arc::clone(armed), true, Timer::default()));
+    BUFFERS.insert(handle, Arc::clone(&buffer));
+    buffer
 }
 
 #[cfg(test)]

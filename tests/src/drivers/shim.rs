@@ -34,6 +34,28 @@ impl Folder {
         if path.join(PACKAGES_FILE).is_file() { Ok(path) } else { Err(HarnessError::NoDriver { path }) }
     }
 
+    /// The driver manifest that begins with `prefix`.
+    ///
+    /// # Errors
+    /// [`HarnessError::NoDriver`]; [`HarnessError::File`] where the folder is incomplete.
+    pub fn manifest(self, prefix: &str) -> Result<PathBuf, HarnessError> {
+        file_of_prefix(&self.path()?.join("usr/share/vulkan/icd.d"), prefix)
+    }
+
+    /// A command that runs `program` on the libraries of this folder.
+    ///
+    /// # Errors
+    /// As for [`Self::manifest`].
+    pub fn command(self, program: &Path) -> Result<Command, HarnessError> {
+        if self == Folder::Release {
+            return Ok(Command::new(program));
+        }
+        let libraries = libraries(&self.path()?);
+        let mut command = Command::new(file_of_prefix(&libraries, "ld-linux-")?);
+        command.arg("--library-path").arg(&libraries).arg("--argv0").arg(program).arg(program);
+        Ok(command)
+    }
+
     /// The version of a package in it, as Debian writes it.
     ///
     /// # Errors
@@ -144,7 +166,7 @@ impl ShimDevice {
         let [shim, variable, value, manifest] = self.parts();
         let folder = self.folder().path()?;
         let libraries = libraries(&folder);
-        let manifest = file_of_prefix(&folder.join("usr/share/vulkan/icd.d"), manifest)?;
+        let manifest = self.folder().manifest(manifest)?;
         let mut variables = vec![
             ("LD_PRELOAD", libraries.join(shim).into_os_string()),
             (variable, value.into()),
@@ -168,20 +190,6 @@ impl ShimDevice {
             }
         }
         Ok(variables)
-    }
-
-    /// A command that runs `program` on the libraries of this device's folder.
-    ///
-    /// # Errors
-    /// As for [`Self::environment`].
-    pub fn command(self, program: &Path) -> Result<Command, HarnessError> {
-        if self.folder() == Folder::Release {
-            return Ok(Command::new(program));
-        }
-        let libraries = libraries(&self.folder().path()?);
-        let mut command = Command::new(file_of_prefix(&libraries, "ld-linux-")?);
-        command.arg("--library-path").arg(&libraries).arg("--argv0").arg(program).arg(program);
-        Ok(command)
     }
 }
 

@@ -4,6 +4,7 @@ mod alpha_to_coverage;
 mod async_compute;
 mod deferred;
 mod descriptor_buffers;
+mod descriptor_heaps;
 mod distractors;
 mod double_wide;
 mod dynamic_rendering;
@@ -77,6 +78,7 @@ pub const STYLES: &[&Style] = &[
     &hidden_area::STYLE,
     &flags2::STYLE,
     &descriptor_buffers::STYLE,
+    &descriptor_heaps::STYLE,
     &shader_objects::STYLE,
     &secondaries::STYLE,
     &second_queue::STYLE,

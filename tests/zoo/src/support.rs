@@ -1,5 +1,6 @@
 //! Requirements of a style, and whether a device meets them.
 
+use crate::gpu::HeapFeatures;
 use anyhow::Result;
 use ash::vk;
 use std::ffi::{CStr, CString};
@@ -18,6 +19,7 @@ pub enum Feature {
     Maintenance5,
     ShaderObject,
     DescriptorBuffer,
+    DescriptorHeap,
     BufferDeviceAddress,
     FragmentStoresAndAtomics,
     MultiViewport,
@@ -181,6 +183,7 @@ pub(crate) struct Features {
     maintenance5: vk::PhysicalDeviceMaintenance5FeaturesKHR<'static>,
     shader_object: vk::PhysicalDeviceShaderObjectFeaturesEXT<'static>,
     descriptor_buffer: vk::PhysicalDeviceDescriptorBufferFeaturesEXT<'static>,
+    descriptor_heap: HeapFeatures,
     buffer_address: vk::PhysicalDeviceBufferDeviceAddressFeatures<'static>,
 }
 
@@ -204,6 +207,7 @@ impl Features {
             Feature::Maintenance5 => &mut self.maintenance5.maintenance5,
             Feature::ShaderObject => &mut self.shader_object.shader_object,
             Feature::DescriptorBuffer => &mut self.descriptor_buffer.descriptor_buffer,
+            Feature::DescriptorHeap => &mut self.descriptor_heap.descriptor_heap,
             Feature::BufferDeviceAddress => &mut self.buffer_address.buffer_device_address,
             Feature::FragmentStoresAndAtomics => &mut self.core.fragment_stores_and_atomics,
             Feature::MultiViewport => &mut self.core.multi_viewport,
@@ -246,6 +250,9 @@ impl Features {
         }
         if any(&[Feature::DescriptorBuffer]) {
             all = all.push_next(&mut self.descriptor_buffer);
+        }
+        if any(&[Feature::DescriptorHeap]) {
+            all = all.push_next(&mut self.descriptor_heap);
         }
         if any(&[Feature::BufferDeviceAddress]) {
             all = all.push_next(&mut self.buffer_address);

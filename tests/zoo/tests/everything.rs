@@ -15,7 +15,7 @@ use parafovea_tests::run::{Application, Message, Run};
 use parafovea_tests::scenario::ScenarioExt;
 use parafovea_zoo::{STYLES, Style};
 use std::process::ExitCode;
-use trial::{skip_unless_run, trial};
+use trial::{driver, skip_unless_run, trial};
 
 /// Arguments of every test.
 const SHARE: Effort = Effort { frames: 54, size: 96 };
@@ -69,6 +69,7 @@ fn check(style: &Style, device: Device) -> Result<(), Failed> {
         Application::ours("parafovea-zoo", &["--style", style.name, "--size", &size, "--frames", &frames])?;
     let last = effort.frames - 1;
     let plain = Run::new(&application, &effort.scenario_of_moving_head().saving(&[last]))
+        .driver(driver(style))
         .two_queues(style.needs.queues.are_two());
     let plain = match device {
         Some(profile) => plain.shading_rates(profile),

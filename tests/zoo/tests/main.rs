@@ -14,7 +14,7 @@ use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::{PassSeen, STYLES, Style};
 use std::process::ExitCode;
 use std::sync::OnceLock;
-use trial::{skip_unless_run, trial};
+use trial::{driver, skip_unless_run, trial};
 
 const FRAMES: u64 = 8;
 const SIZE: u32 = 64;
@@ -66,6 +66,7 @@ fn run(style: &Style) -> (Outcome, bool) {
     let application = Application::ours("parafovea-zoo", &arguments).unwrap();
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE).saving(&SAVED);
     let run = Run::new(&application, &scenario)
+        .driver(driver(style))
         .validated_from(style.headers)
         .two_queues(style.needs.queues.are_two());
     // The one extension that there is a stand-in for.

@@ -37,7 +37,7 @@ use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::Style;
 use std::path::Path;
 use std::process::ExitCode;
-use trial::{skip_unless_run, trial};
+use trial::{driver, skip_unless_run, trial};
 
 /// Arguments of every test.
 const SHARE: Effort = Effort { frames: 12, size: 96 };
@@ -78,6 +78,7 @@ fn run(
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
     let application = Application::ours("parafovea-zoo", &arguments)?;
     let run = Run::new(&application, &scenario)
+        .driver(driver(style))
         .validated_from(style.headers)
         .two_queues(style.needs.queues.are_two())
         .layer(layer);

@@ -20,7 +20,7 @@ use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::{Eyes, PassTruth, STYLES, Style};
 use std::process::ExitCode;
-use trial::{skip_unless_run, trial};
+use trial::{driver, skip_unless_run, trial};
 
 /// Arguments of every test.
 const SHARE: Effort = Effort { frames: 8, size: 96 };
@@ -100,7 +100,10 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
     assert!(is_left_out || style.keeps_history, "nothing was left out\n{}", on.log);
     assert_eq!(on.log.contains(FEEDBACK_LINE), style.keeps_history, "{}", on.log);
     let has_two = style.needs.queues.are_two();
-    let off = Run::new(&application(style, effort)?, &scenario).two_queues(has_two).finish()?;
+    let off = Run::new(&application(style, effort)?, &scenario)
+        .driver(driver(style))
+        .two_queues(has_two)
+        .finish()?;
     let off = off.expect_frames(effort.frames)?;
     for eye in 0..2 {
         let off =
@@ -168,6 +171,7 @@ const ATTACHED_ONCE_MATCHED: [&str; 2] = ["dynamic-rendering", "proton"];
 fn check_attached_once_matched(name: &str) -> Result<(), Failed> {
     let style = parafovea_zoo::style(name).ok_or("no such style")?;
     let outcome = Run::new(&application(style, SHARE)?, &SHARE.scenario())
+        .driver(driver(style))
         .validated_from(style.headers)
         .shading_rates(ShadingRateProfile::NvkTuring)
         .env("PARAFOVEA_QUIRKS", "attach-only-matched,none-such")
@@ -202,6 +206,7 @@ fn run(
     scenario: Scenario,
 ) -> Result<Outcome, Failed> {
     let run = Run::new(&application(style, effort)?, &scenario)
+        .driver(driver(style))
         .validated_from(style.headers)
         .two_queues(style.needs.queues.are_two())
         .shading_rates(profile);

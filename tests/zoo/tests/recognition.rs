@@ -17,7 +17,7 @@ use noted::Noted;
 use parafovea_tests::run::{Application, Run};
 use parafovea_zoo::{Eyes, PassTruth, STYLES, Style};
 use std::process::ExitCode;
-use trial::{skip_unless_run, trial};
+use trial::{driver, skip_unless_run, trial};
 
 /// From this frame on the passes are known; nothing is taken for the scene before that is not.
 const KNOWN_FROM: u64 = 4;
@@ -39,6 +39,7 @@ fn check(style: &Style) -> Result<(), Failed> {
     let application = Application::ours("parafovea-zoo", &arguments)?;
     let scenario = effort.scenario();
     let outcome = Run::new(&application, &scenario)
+        .driver(driver(style))
         .validated_from(style.headers)
         .two_queues(style.needs.queues.are_two())
         .on("")

@@ -22,7 +22,7 @@ use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_trial::{Lack, skip};
 use parafovea_zoo::Style;
 use std::process::ExitCode;
-use trial::{skip_unless_run, trial};
+use trial::{driver, skip_unless_run, trial};
 
 /// Side of an eye buffer, pixels. Rings are rounded up to blocks of 16, which are wider than rings in much smaller pictures.
 const SIZE: u32 = 768;
@@ -73,6 +73,7 @@ fn check(style: &Style, said: &str) -> Result<(), Failed> {
         let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
         let application = Application::ours("parafovea-zoo", &arguments)?;
         let run = Run::new(&application, &Scenario::new(FRAMES).sized(SIZE, SIZE))
+            .driver(driver(style))
             .two_queues(style.needs.queues.are_two())
             .layer(layer)
             .counted();

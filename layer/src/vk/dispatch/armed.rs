@@ -1,13 +1,13 @@
 //! Our hooks of the functions of armed devices, as `functions` lists them.
 
-use crate::vk::functions::ArmedTable;
+use crate::vk::functions::{ArmedTable, types};
 use crate::vk::hooks::{
     descriptors, framebuffers, images, layouts, pipelines, queues, render_passes, shader_modules,
     shader_objects, views,
 };
 use crate::vk::recording::{
-    binding, buffers, compute, descriptor_buffers, drawing, draws, image_layouts, passes, pending, queries,
-    rendering, stencil, transfers,
+    binding, buffers, compute, descriptor_buffers, drawing, draws, generated, heaps, image_layouts, passes,
+    pending, queries, rendering, stencil, transfers,
 };
 use crate::vk::submit;
 use ash::vk;
@@ -18,11 +18,11 @@ macro_rules! armed_hooks {
         /// Our hook for a function of an armed device.
         pub fn armed_hook(name: &CStr) -> vk::PFN_vkVoidFunction {
             $(if name == $name $(|| name == $extension)? {
-                let hook: vk::$pfn = $hook;
+                let hook: types::$pfn = $hook;
                 // SAFETY: PFN_vkVoidFunction may carry any function; the receiver casts it back to the type that
                 // belongs to the name.
                 return Some(unsafe {
-                    std::mem::transmute::<vk::$pfn, unsafe extern "system" fn()>(hook)
+                    std::mem::transmute::<types::$pfn, unsafe extern "system" fn()>(hook)
                 });
             })*
             None
@@ -40,6 +40,27 @@ pub fn hook_of(table: &ArmedTable, name: &CStr) -> vk::PFN_vkVoidFunction {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A pass that ends past our hooks is never filled.
+    #[test]
+    fn passes_are_followed_by_the_names_of_every_version() {
+        for name in [
+            c"vkCmdBeginRenderPass",
+            c"vkCmdBeginRenderPass2",
+            c"vkCmdBeginRenderPass2KHR",
+            c"vkCmdEndRenderPass",
+            c"vkCmdEndRenderPass2",
+            c"vkCmdEndRenderPass2KHR",
+            c"vkCmdBeginRendering",
+            c"vkCmdBeginRenderingKHR",
+            c"vkCmdEndRendering",
+            c"vkCmdEndRenderingKHR",
+            c"vkCmdEndRendering2KHR",
+            c"vkCmdEndRendering2EXT",
+        ] {
+            assert!(armed_hook(name).is_some(), "{name:?}");
+        }
+    }
 
     /// A command that binds descriptors past our hooks leaves bindings that are not restored after our work.
     #[test]
@@ -61,6 +82,12 @@ mod tests {
             c"vkCmdSetDescriptorBufferOffsets2EXT",
             c"vkCmdBindDescriptorBufferEmbeddedSamplersEXT",
             c"vkCmdBindDescriptorBufferEmbeddedSamplers2EXT",
+            c"vkCmdBindSamplerHeapEXT",
+            c"vkCmdBindResourceHeapEXT",
+            c"vkCmdPushDataEXT",
+            c"vkCmdPushConstants",
+            c"vkCmdPushConstants2",
+            c"vkCmdPushConstants2KHR",
         ] {
             assert!(armed_hook(name).is_some(), "{name:?}");
         }

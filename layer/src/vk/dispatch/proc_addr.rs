@@ -82,22 +82,35 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
 fn is_frequent(name: &CStr) -> bool {
     let name = name.to_bytes();
     name == b"vkCmdBindPipeline"
-        || [&b"vkCmdBindDescriptor"[..], b"vkCmdPushDescriptor", b"vkCmdSetDescriptor", STENCIL, DRAW]
-            .iter()
-            .any(|begin| name.starts_with(begin))
+        || [
+            &b"vkCmdBindDescriptor"[..],
+            b"vkCmdPushDescriptor",
+            b"vkCmdSetDescriptor",
+            PUSH_CONSTANTS,
+            STENCIL,
+            DRAW,
+        ]
+        .iter()
+        .any(|begin| name.starts_with(begin))
 }
 
 /// Prefix of the names of commands that set stencil tests.
 const STENCIL: &[u8] = b"vkCmdSetStencil";
 
+/// Prefix of the names of commands that push constants.
+const PUSH_CONSTANTS: &[u8] = b"vkCmdPushConstants";
+
 /// Prefix of the names of draw commands.
 const DRAW: &[u8] = b"vkCmdDraw";
 
-/// Whether it is of interest: stencil where passes may have masks; draws and descriptors where passes may be made coarser; pipelines where
+/// Whether it is of interest: stencil where passes may have masks, and constants where they may beside descriptor heaps; draws and descriptors where passes may be made coarser; pipelines where
 /// rates may have to be set then, or masks must know of them.
 fn is_wanted(device: &Device, name: &CStr) -> bool {
     if name.to_bytes().starts_with(STENCIL) {
         return device.masks().is_some();
+    }
+    if name.to_bytes().starts_with(PUSH_CONSTANTS) {
+        return device.masks().is_some() && device.hooked.cmd_bind_resource_heap.is_some();
     }
     if name != c"vkCmdBindPipeline" {
         return device.armed.as_deref().is_some_and(Armed::follows_passes);

@@ -1,6 +1,8 @@
 //! Command pools and command buffers.
 
-use super::{BUFFERS, Buffer, buffer, draws, forget, timed, tracked, untracked, with_any, with_buffer};
+use super::{
+    BUFFERS, Buffer, buffer, draws, forget, heaps, timed, tracked, untracked, with_any, with_buffer,
+};
 use crate::abi::copies::slice;
 use crate::vk::armed::Armed;
 use crate::vk::device;
@@ -194,6 +196,10 @@ pub unsafe extern "system" fn begin(
         }
         if is_tracked {
             draws::recording_begins(handle);
+            // SAFETY: the pointer is valid, by valid usage, which demands the inheritance of a secondary command buffer.
+            if !known.is_primary && unsafe { heaps::are_inherited(&*info) } {
+                draws::bind_unknown(handle);
+            }
             known.recorded().timer.recorded_with(flags);
         } else {
             draws::untracked_begins(handle);

@@ -1,9 +1,10 @@
-//! Offsets into descriptor buffers (VK_EXT_descriptor_buffer), so that they can be set again after work of ours between the
+//! Offsets into descriptor buffers (VK_EXT_descriptor_buffer), and descriptor heaps, so that they can be set again after work of ours between the
 //! application's commands.
 //!
 //! That work binds descriptor sets, after which offsets are no longer valid (Vulkan specification, vkCmdBindDescriptorSets), of any bind
 //! point as far as its words go. The buffers stay bound.
 
+use super::heaps::BoundHeaps;
 use super::{drawing, draws, with_buffer};
 use crate::abi::copies::slice;
 use crate::backend::mask::follow_graphics;
@@ -11,7 +12,7 @@ use crate::vk::functions::ArmedTable;
 use ash::vk;
 use smallvec::SmallVec;
 
-/// Offsets and embedded samplers of a command buffer.
+/// Offsets, embedded samplers and heaps of a command buffer.
 #[derive(Debug, Clone, Default)]
 pub struct BufferOffsets {
     /// In their order.
@@ -20,6 +21,7 @@ pub struct BufferOffsets {
     has_more: bool,
     /// Whether descriptor sets were bound at one bind point after offsets at another, which the specification leaves in doubt.
     is_mixed: bool,
+    heaps: BoundHeaps,
 }
 
 /// One call that set offsets, or bound embedded samplers.
@@ -53,31 +55,40 @@ impl BufferOffsets {
         self.calls.clear();
         self.has_more = false;
         self.is_mixed = false;
+        self.heaps.clear();
     }
 
     /// Whether nothing of that kind is in use.
     pub fn is_empty(&self) -> bool {
-        self.calls.is_empty() && !self.has_more
+        self.calls.is_empty() && !self.has_more && self.heaps.is_empty()
     }
 
     /// Whether [`Self::restore`] sets everything again.
     pub fn is_complete(&self) -> bool {
-        !self.has_more && !self.is_mixed
+        !self.has_more && !self.is_mixed && self.heaps.is_complete()
+    }
+
+    /// The heaps.
+    pub fn heaps(&mut self) -> &mut BoundHeaps {
+        &mut self.heaps
     }
 
     /// Buffers are bound: offsets into earlier buffers end.
     fn bind_buffers(&mut self) {
+        self.heaps.clear();
         self.calls.retain(|call| call.what == What::Samplers);
         self.is_mixed &= !self.calls.is_empty();
     }
 
     /// Sets are bound at a point.
     pub fn bind_sets(&mut self, point: vk::PipelineBindPoint) {
+        self.heaps.clear();
         self.calls.retain(|call| call.point != point);
         self.is_mixed = !self.calls.is_empty();
     }
 
     fn set(&mut self, new: Call) {
+        self.heaps.clear();
         let end = |call: &Call| u64::from(call.first) + u64::from(call.what.sets());
         let is_within =
             |call: &Call| call.point == new.point && call.first >= new.first && end(call) <= end(&new);
@@ -107,6 +118,8 @@ impl BufferOffsets {
                 }
             }
         }
+        // SAFETY: as above.
+        unsafe { self.heaps.restore(next, commands) };
     }
 }
 
@@ -133,7 +146,7 @@ pub(super) fn points(stages: vk::ShaderStageFlags) -> SmallVec<[vk::PipelineBind
 /// # Safety
 ///
 /// `handle` is this command buffer, which is recording.
-unsafe fn note(
+pub(super) unsafe fn note(
     known: &super::Buffer,
     handle: vk::CommandBuffer,
     points: &[vk::PipelineBindPoint],

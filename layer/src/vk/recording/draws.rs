@@ -36,7 +36,7 @@ impl Counts {
     }
 
     /// Of draws that only the GPU knows.
-    const INDIRECT: Self = Self { quads: 0, meshes: 1, vertices: Draws::INDIRECT_VERTICES };
+    pub const INDIRECT: Self = Self { quads: 0, meshes: 1, vertices: Draws::INDIRECT_VERTICES };
 
     /// Adds more draws.
     #[inline]
@@ -319,7 +319,7 @@ pub fn counted(of: &Buffer, handle: vk::CommandBuffer) -> u32 {
 }
 
 /// Counts a draw that needs more than the thread's counts.
-fn count_tracked(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
+pub fn count_tracked(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
     let mut counted = count(handle, more);
     if counted == Counted::Elsewhere && of.may_draw() {
         take_up(of, handle, false);

@@ -9,6 +9,7 @@ use crate::vk::candidates::Candidate;
 use crate::vk::chain::extension;
 use crate::vk::objects::Objects;
 use ash::vk;
+use std::ffi::c_void;
 use std::sync::Arc;
 
 /// `vkCmdBeginRendering`.
@@ -38,6 +39,36 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
 /// The valid usage of the call.
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
     hook!("vkCmdEndRendering", with_buffer, cmd_end_rendering(handle), |known, next| {
+        next();
+        if let Some(known) = known {
+            // SAFETY: the command buffer is recording, by valid usage, and outside of rendering since the call.
+            unsafe { end_tracked(&known, handle) };
+        }
+    });
+}
+
+/// `vkCmdEndRendering2KHR`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn end2(handle: vk::CommandBuffer, info: *const c_void) {
+    hook!("vkCmdEndRendering2KHR", with_buffer, cmd_end_rendering2(handle, info), |known, next| {
+        next();
+        if let Some(known) = known {
+            // SAFETY: the command buffer is recording, by valid usage, and outside of rendering since the call.
+            unsafe { end_tracked(&known, handle) };
+        }
+    });
+}
+
+/// `vkCmdEndRendering2EXT`, the same by its first name.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn end2_ext(handle: vk::CommandBuffer, info: *const c_void) {
+    hook!("vkCmdEndRendering2EXT", with_buffer, cmd_end_rendering2_ext(handle, info), |known, next| {
         next();
         if let Some(known) = known {
             // SAFETY: the command buffer is recording, by valid usage, and outside of rendering since the call.

@@ -52,6 +52,13 @@ pub fn physical_device_of(instance: vk::Instance) -> vk::PhysicalDevice {
     vk::PhysicalDevice::from_raw(object_with_key(key))
 }
 
+/// A command buffer of that device: another object with the same key.
+pub fn command_buffer_of(device: vk::Device) -> vk::CommandBuffer {
+    // SAFETY: the device is an Object made by `new_object`.
+    let key = unsafe { (*(device.as_raw() as *const Object)).key };
+    vk::CommandBuffer::from_raw(object_with_key(key))
+}
+
 /// The Vulkan version of the stand-in's devices.
 pub const DEVICE_VERSION: u32 = vk::make_api_version(0, 1, 2, 5);
 

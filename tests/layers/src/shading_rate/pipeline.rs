@@ -28,6 +28,9 @@ const SHADING: [vk::GraphicsPipelineLibraryFlagsEXT; 2] = [
     vk::GraphicsPipelineLibraryFlagsEXT::FRAGMENT_SHADER,
 ];
 
+/// Flags of 64 bits, of which all may be set by newer extensions.
+type WideFlags<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
+
 /// # Safety
 /// As `vkCreateGraphicsPipelines`.
 pub(super) unsafe extern "system" fn create(
@@ -48,9 +51,18 @@ pub(super) unsafe extern "system" fn create(
         let states: Vec<Vec<_>> = infos.iter().map(|info| other_dynamic_states(info)).collect();
         let mut dynamic: Vec<_> = infos.iter().map(|info| info.p_dynamic_state.as_ref().copied()).collect();
         let mut left_out = LeftOut::new();
+        let mut changed = Vec::new();
         for ((info, dynamic), states) in lowered.iter_mut().zip(&mut dynamic).zip(&states) {
             info.flags = flags(info) & !PIPELINE_FLAG;
-            left_out.leave_out(info, vk::StructureType::PIPELINE_CREATE_FLAGS_2_CREATE_INFO_KHR);
+            match find::<WideFlags<'_>>(info.p_next).filter(|wide| wide.flags.as_raw() >> 32 != 0) {
+                Some(wide) => {
+                    let at = std::ptr::from_ref(wide).cast_mut();
+                    changed.push((at, wide.flags));
+                    let without = wide.flags.as_raw() & !u64::from(PIPELINE_FLAG.as_raw());
+                    (*at).flags = vk::PipelineCreateFlags2KHR::from_raw(without);
+                }
+                None => left_out.leave_out(info, vk::StructureType::PIPELINE_CREATE_FLAGS_2_CREATE_INFO_KHR),
+            }
             let rate = vk::StructureType::PIPELINE_FRAGMENT_SHADING_RATE_STATE_CREATE_INFO_KHR;
             left_out.leave_out(info, rate);
             if let Some(dynamic) = dynamic {
@@ -62,6 +74,8 @@ pub(super) unsafe extern "system" fn create(
         let next = emulator.v1_0().create_graphics_pipelines;
         let result = next(device, cache, count, lowered.as_ptr(), allocator, pipelines);
         drop(left_out);
+        // Backwards: one structure may be in several chains.
+        changed.into_iter().rev().for_each(|(at, flags)| (*at).flags = flags);
         let mut state = emulator.state();
         for ((info, known), &handle) in infos.iter().zip(known).zip(slice(pipelines.cast_const(), count)) {
             check(&emulator, &mut state, info, &known, handle);
@@ -80,7 +94,7 @@ pub(super) unsafe extern "system" fn create(
 /// The structure's chain is valid.
 unsafe fn flags(info: &vk::GraphicsPipelineCreateInfo<'_>) -> vk::PipelineCreateFlags {
     // SAFETY: the caller vouches for it.
-    let wide = unsafe { find::<vk::PipelineCreateFlags2CreateInfoKHR<'_>>(info.p_next) };
+    let wide = unsafe { find::<WideFlags<'_>>(info.p_next) };
     wide.map_or(info.flags, |wide| vk::PipelineCreateFlags::from_raw(wide.flags.as_raw() as u32))
 }
 

@@ -1,6 +1,6 @@
 //! Graphics pipelines.
 
-use super::{Gpu, Made, Target};
+use super::{Gpu, HeapBinding, Made, Target, heaps};
 use anyhow::Result;
 use ash::vk;
 use std::ffi::CStr;
@@ -51,6 +51,8 @@ pub enum Making {
     Libraries,
     /// All at once, its flags in VkPipelineCreateFlags2CreateInfoKHR.
     Flags2,
+    /// All at once, without a layout, its descriptors in a heap.
+    Heap(HeapBinding),
 }
 
 /// Description of a pipeline.
@@ -135,18 +137,43 @@ impl Gpu {
         }
         let spec = &self.with_rates(spec, target);
         let state = State::new(spec, target);
-        let pipeline = state.with(spec, target, &stages, |info| match spec.making {
+        let made = |stages: &[vk::PipelineShaderStageCreateInfo]| {
+            self.of_stages(spec, &state, stages, layout, target)
+        };
+        let pipeline = match spec.making {
+            Making::Heap(binding) => binding.chained(|mapping| {
+                stages.iter_mut().for_each(|stage| stage.p_next = mapping);
+                made(&stages)
+            }),
+            _ => made(&stages),
+        }?;
+        self.keep(Made::Pipeline(pipeline));
+        Ok(pipeline)
+    }
+
+    fn of_stages(
+        &self,
+        spec: &PipelineSpec,
+        state: &State,
+        stages: &[vk::PipelineShaderStageCreateInfo],
+        layout: vk::PipelineLayout,
+        target: &Target,
+    ) -> Result<vk::Pipeline> {
+        state.with(spec, target, stages, |info| match spec.making {
             Making::Whole => self.create(info.layout(layout)),
-            Making::Libraries => self.linked(info, &stages, layout, (target.view_mask, spec.rate_state())),
+            Making::Libraries => self.linked(info, stages, layout, (target.view_mask, spec.rate_state())),
+            Making::Heap(_) => {
+                let mut flags = vk::PipelineCreateFlags2CreateInfoKHR::default()
+                    .flags(vk::PipelineCreateFlags2KHR::from_raw(heaps::PIPELINE_FLAG));
+                self.create(info.push_next(&mut flags))
+            }
             Making::Flags2 => {
                 let bits = u64::from(spec.flags.as_raw());
                 let mut flags = vk::PipelineCreateFlags2CreateInfoKHR::default()
                     .flags(vk::PipelineCreateFlags2KHR::from_raw(bits));
                 self.create(info.layout(layout).push_next(&mut flags))
             }
-        })?;
-        self.keep(Made::Pipeline(pipeline));
-        Ok(pipeline)
+        })
     }
 
     /// Makes a compute pipeline, and keeps it.

@@ -1,0 +1,98 @@
+//! Passes by the commands of newer extensions.
+
+use super::fake::{self, rates};
+use super::*;
+use crate::pass_detection::Event;
+use crate::vk::dispatch::armed_hook;
+use crate::vk::functions::types;
+use crate::vk::recording::{self, Buffer};
+use std::sync::Arc;
+
+/// A device with rates, and a command buffer of it that is kept.
+fn with_command_buffer(test: impl FnOnce(vk::CommandBuffer, &Buffer)) {
+    rates::capabilities(true, false);
+    let instance = new_instance(None);
+    let device = create_device(instance, fake::device_chain(null(), true).0, 1).unwrap();
+    // SAFETY: the device is live.
+    let armed = unsafe { device::of(device) }.and_then(|device| device.armed.clone()).unwrap();
+    let handle = fake::command_buffer_of(device);
+    let buffer: Arc<Buffer> = recording::keep(&armed, handle);
+    drop(armed);
+    test(handle, &buffer);
+    drop(buffer);
+    destroy_device(device);
+    destroy_instance(instance);
+    rates::capabilities(false, false);
+}
+
+macro_rules! hook {
+    ($name:literal: $pfn:ident) => {
+        // SAFETY: the name gives the type.
+        unsafe { transmute::<vk::PFN_vkVoidFunction, types::$pfn>(armed_hook($name)) }
+    };
+}
+
+fn begin(handle: vk::CommandBuffer) {
+    let info = vk::RenderingInfo::default();
+    let begin = hook!(c"vkCmdBeginRenderingKHR": PFN_vkCmdBeginRendering);
+    // SAFETY: the command buffer is live, and the structure valid.
+    unsafe { begin(handle, &info) };
+}
+
+/// The draws of meshes in each pass; `None` for a pass that has not ended.
+fn draws(buffer: &Buffer) -> Vec<Option<u32>> {
+    let recorded = buffer.recorded();
+    let passes = recorded.events.iter().filter_map(|event| match event {
+        Event::Pass(pass) => Some(pass.draws.as_ref().map(|draws| draws.meshes)),
+        Event::Transfer(_) => None,
+    });
+    passes.collect()
+}
+
+/// A pass whose end is missed stays open, and a mask of it is never filled.
+#[test]
+fn rendering_ends_by_each_of_its_commands() {
+    with_command_buffer(|handle, buffer| {
+        let ends = [
+            hook!(c"vkCmdEndRendering2KHR": PFN_vkCmdEndRendering2),
+            hook!(c"vkCmdEndRendering2EXT": PFN_vkCmdEndRendering2),
+        ];
+        for (ended, end) in (0..).zip(ends) {
+            begin(handle);
+            assert_eq!(draws(buffer)[ended], None);
+            // SAFETY: the command buffer is live; the structure may be missing.
+            unsafe { end(handle, null()) };
+            assert_eq!(draws(buffer)[ended], Some(0));
+        }
+    });
+}
+
+#[test]
+fn generated_commands_draw_if_they_have_stages_that_do() {
+    /// `VkGeneratedCommandsInfoEXT`, as far as it is read.
+    #[repr(C)]
+    struct Info {
+        s_type: i32,
+        next: *const c_void,
+        stages: vk::ShaderStageFlags,
+        set: u64,
+    }
+    let execute = hook!(c"vkCmdExecuteGeneratedCommandsEXT": PFN_vkCmdExecuteGeneratedCommandsEXT);
+    let end = hook!(c"vkCmdEndRenderingKHR": PFN_vkCmdEndRendering);
+    for (stages, expected) in [
+        (vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT, 1),
+        (vk::ShaderStageFlags::MESH_EXT, 1),
+        (vk::ShaderStageFlags::COMPUTE, 0),
+    ] {
+        with_command_buffer(|handle, buffer| {
+            begin(handle);
+            let info = Info { s_type: 1_000_572_004, next: null(), stages, set: 0 };
+            // SAFETY: the command buffer is live, and the structure valid.
+            unsafe {
+                execute(handle, vk::FALSE, (&raw const info).cast());
+                end(handle);
+            }
+            assert_eq!(draws(buffer), [Some(expected)], "{stages:?}");
+        });
+    }
+}
