@@ -25,6 +25,7 @@ pub(crate) mod instance;
 mod layouts;
 mod link_table;
 mod negotiate;
+mod newer;
 pub(crate) mod objects;
 mod perception;
 mod pre_submit;

@@ -1,31 +1,8 @@
 //! The next layer's functions that this layer calls, resolved beforehand.
 
+use super::newer as types;
 use ash::vk::{self, API_VERSION_1_1, API_VERSION_1_2, API_VERSION_1_3};
 use std::ffi::CStr;
-
-/// The types of functions: those of `ash`, and newer ones.
-#[allow(non_camel_case_types, reason = "names of the specification, as `ash` has them")]
-pub mod types {
-    use crate::vk::recording::generated::GeneratedCommandsInfo;
-    use crate::vk::recording::heaps::{BindHeapInfo, PushDataInfo};
-    use ash::vk::{Bool32, CommandBuffer};
-    use std::ffi::c_void;
-
-    pub use ash::vk::*;
-
-    /// `vkCmdEndRendering2KHR` (VK_KHR_maintenance10), which began as `vkCmdEndRendering2EXT` (VK_EXT_fragment_density_map_offset).
-    pub type PFN_vkCmdEndRendering2 = unsafe extern "system" fn(CommandBuffer, info: *const c_void);
-
-    /// `vkCmdBindSamplerHeapEXT` and `vkCmdBindResourceHeapEXT` (VK_EXT_descriptor_heap).
-    pub type PFN_vkCmdBindHeap = unsafe extern "system" fn(CommandBuffer, *const BindHeapInfo);
-
-    /// `vkCmdPushDataEXT` (VK_EXT_descriptor_heap).
-    pub type PFN_vkCmdPushData = unsafe extern "system" fn(CommandBuffer, *const PushDataInfo);
-
-    /// `vkCmdExecuteGeneratedCommandsEXT` (VK_EXT_device_generated_commands).
-    pub type PFN_vkCmdExecuteGeneratedCommandsEXT =
-        unsafe extern "system" fn(CommandBuffer, is_preprocessed: Bool32, *const GeneratedCommandsInfo);
-}
 
 /// Newer than the headers of `ash`.
 const API_VERSION_1_4: u32 = vk::make_api_version(0, 1, 4, 0);

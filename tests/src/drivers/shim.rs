@@ -158,7 +158,7 @@ impl ShimDevice {
         }
     }
 
-    /// The variables that make a program started by [`Self::command`] find this device, and no other.
+    /// The variables that make a program started by [`Folder::command`] find this device, and no other.
     ///
     /// # Errors
     /// [`HarnessError::NoDriver`]; [`HarnessError::File`] where the folder is incomplete.

@@ -1,10 +1,11 @@
 //! Our hooks of the functions of armed devices, as `functions` lists them.
 
-use crate::vk::functions::{ArmedTable, types};
+use crate::vk::functions::ArmedTable;
 use crate::vk::hooks::{
     descriptors, framebuffers, images, layouts, pipelines, queues, render_passes, shader_modules,
     shader_objects, views,
 };
+use crate::vk::newer as types;
 use crate::vk::recording::{
     binding, buffers, compute, descriptor_buffers, drawing, draws, generated, heaps, image_layouts, passes,
     pending, queries, rendering, stencil, transfers,

@@ -4,18 +4,8 @@
 use super::draws::{Counts, count_tracked};
 use super::{Buffer, drawing, with_buffer};
 use crate::backend::mask::PipelineFacts;
+use crate::vk::newer::GeneratedCommandsInfo;
 use ash::vk;
-use std::ffi::c_void;
-
-/// The beginning of `VkGeneratedCommandsInfoEXT`, which is newer than the headers of `ash`.
-#[repr(C)]
-pub struct GeneratedCommandsInfo {
-    s_type: vk::StructureType,
-    p_next: *const c_void,
-    shader_stages: vk::ShaderStageFlags,
-    /// The pipelines or shaders that generated commands choose from; 0: the bound ones draw.
-    indirect_execution_set: u64,
-}
 
 /// Stages of commands that draw.
 const DRAWING: vk::ShaderStageFlags = vk::ShaderStageFlags::from_raw(

@@ -9,34 +9,13 @@ use super::{Buffer, drawing, with_buffer};
 use crate::abi::copies::slice;
 use crate::abi::pnext::chain;
 use crate::vk::functions::ArmedTable;
+use crate::vk::newer::{BindHeapInfo, PushDataInfo};
 use ash::vk;
 use smallvec::SmallVec;
 use std::ffi::c_void;
 
-/// `VkBindHeapInfoEXT`, which is newer than the headers of `ash`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BindHeapInfo {
-    s_type: vk::StructureType,
-    p_next: *const c_void,
-    /// Address and size.
-    heap: [u64; 2],
-    /// Offset and size of the range that the driver uses.
-    reserved: [u64; 2],
-}
-
-// SAFETY: a structure without a chain has no pointers; others are not kept.
-unsafe impl Send for BindHeapInfo {}
-
-/// `VkPushDataInfoEXT`.
-#[repr(C)]
-pub struct PushDataInfo {
-    s_type: vk::StructureType,
-    p_next: *const c_void,
-    offset: u32,
-    data: *const c_void,
-    size: usize,
-}
+/// `VK_STRUCTURE_TYPE_BIND_HEAP_INFO_EXT`.
+const BIND_HEAP_INFO: vk::StructureType = vk::StructureType::from_raw(1_000_135_003);
 
 /// `VK_STRUCTURE_TYPE_PUSH_DATA_INFO_EXT`.
 const PUSH_DATA_INFO: vk::StructureType = vk::StructureType::from_raw(1_000_135_004);
@@ -47,12 +26,21 @@ const INHERITANCE_INFO: vk::StructureType = vk::StructureType::from_raw(1_000_13
 /// The heaps of a command buffer, and its push data.
 #[derive(Debug, Clone, Default)]
 pub struct BoundHeaps {
-    sampler: Option<BindHeapInfo>,
-    resource: Option<BindHeapInfo>,
+    sampler: Option<HeapRange>,
+    resource: Option<HeapRange>,
     /// From offset 0 on.
     data: SmallVec<[u8; 256]>,
     /// Whether something is bound that is not kept: with a chain of extensions.
     has_more: bool,
+}
+
+/// A bound heap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct HeapRange {
+    /// Address and size.
+    heap: [u64; 2],
+    /// Offset and size of the range that the driver uses.
+    reserved: [u64; 2],
 }
 
 /// A heap of resources or of samplers.
@@ -86,9 +74,10 @@ impl BoundHeaps {
             self.has_more = true;
             return;
         }
+        let range = Some(HeapRange { heap: info.heap, reserved: info.reserved });
         match kind {
-            Kind::Sampler => self.sampler = Some(*info),
-            Kind::Resource => self.resource = Some(*info),
+            Kind::Sampler => self.sampler = range,
+            Kind::Resource => self.resource = range,
         }
     }
 
@@ -110,10 +99,11 @@ impl BoundHeaps {
             (self.sampler.as_ref(), next.cmd_bind_sampler_heap),
             (self.resource.as_ref(), next.cmd_bind_resource_heap),
         ];
-        for (info, bind) in heaps {
-            if let (Some(info), Some(bind)) = (info, bind) {
+        for (range, bind) in heaps {
+            if let (Some(&HeapRange { heap, reserved }), Some(bind)) = (range, bind) {
+                let info = BindHeapInfo { s_type: BIND_HEAP_INFO, p_next: std::ptr::null(), heap, reserved };
                 // SAFETY: the command buffer is recording, as `# Safety` demands; heaps of its earlier calls stay valid while it records.
-                unsafe { bind(commands, info) };
+                unsafe { bind(commands, &info) };
             }
         }
         if let (Some(push), false) = (next.cmd_push_data, self.data.is_empty()) {
@@ -265,7 +255,7 @@ mod tests {
 
     fn heap(address: u64) -> BindHeapInfo {
         BindHeapInfo {
-            s_type: vk::StructureType::from_raw(1_000_135_003),
+            s_type: BIND_HEAP_INFO,
             p_next: std::ptr::null(),
             heap: [address, 64],
             reserved: [0, 16],
@@ -279,7 +269,8 @@ mod tests {
         bound.bind(Kind::Resource, &heap(1));
         bound.bind(Kind::Sampler, &heap(2));
         bound.bind(Kind::Resource, &heap(3));
-        assert_eq!((bound.resource, bound.sampler), (Some(heap(3)), Some(heap(2))));
+        let addresses = [bound.resource, bound.sampler].map(|range| range.unwrap().heap[0]);
+        assert_eq!(addresses, [3, 2]);
         bound.push(4, &[1, 2, 3, 4]);
         bound.push(0, &[5, 6, 7, 8]);
         bound.push(6, &[9]);

@@ -4,7 +4,7 @@ use super::fake::{self, rates};
 use super::*;
 use crate::pass_detection::Event;
 use crate::vk::dispatch::armed_hook;
-use crate::vk::functions::types;
+use crate::vk::newer as types;
 use crate::vk::recording::{self, Buffer};
 use std::sync::Arc;
 

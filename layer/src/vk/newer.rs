@@ -1,0 +1,62 @@
+//! Types of Vulkan: those of `ash`, and types of extensions that are newer than its headers.
+
+#![allow(non_camel_case_types, reason = "names of the specification, as `ash` has them")]
+
+use std::ffi::c_void;
+
+pub use ash::vk::*;
+
+/// `vkCmdEndRendering2KHR` (VK_KHR_maintenance10), which began as `vkCmdEndRendering2EXT` (VK_EXT_fragment_density_map_offset).
+pub type PFN_vkCmdEndRendering2 = unsafe extern "system" fn(CommandBuffer, info: *const c_void);
+
+/// `vkCmdBindSamplerHeapEXT` and `vkCmdBindResourceHeapEXT` (VK_EXT_descriptor_heap).
+pub type PFN_vkCmdBindHeap = unsafe extern "system" fn(CommandBuffer, *const BindHeapInfo);
+
+/// `vkCmdPushDataEXT` (VK_EXT_descriptor_heap).
+pub type PFN_vkCmdPushData = unsafe extern "system" fn(CommandBuffer, *const PushDataInfo);
+
+/// `vkCmdExecuteGeneratedCommandsEXT` (VK_EXT_device_generated_commands).
+pub type PFN_vkCmdExecuteGeneratedCommandsEXT =
+    unsafe extern "system" fn(CommandBuffer, is_preprocessed: Bool32, *const GeneratedCommandsInfo);
+
+/// `VkBindHeapInfoEXT`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BindHeapInfo {
+    /// `VK_STRUCTURE_TYPE_BIND_HEAP_INFO_EXT`.
+    pub s_type: StructureType,
+    /// A chain of extensions, or null.
+    pub p_next: *const c_void,
+    /// Address and size.
+    pub heap: [u64; 2],
+    /// Offset and size of the range that the driver uses.
+    pub reserved: [u64; 2],
+}
+
+/// `VkPushDataInfoEXT`.
+#[repr(C)]
+pub struct PushDataInfo {
+    /// `VK_STRUCTURE_TYPE_PUSH_DATA_INFO_EXT`.
+    pub s_type: StructureType,
+    /// A chain of extensions, or null.
+    pub p_next: *const c_void,
+    /// Offset in push data, bytes.
+    pub offset: u32,
+    /// The bytes.
+    pub data: *const c_void,
+    /// Number of bytes.
+    pub size: usize,
+}
+
+/// The beginning of `VkGeneratedCommandsInfoEXT`.
+#[repr(C)]
+pub struct GeneratedCommandsInfo {
+    /// `VK_STRUCTURE_TYPE_GENERATED_COMMANDS_INFO_EXT`.
+    pub s_type: StructureType,
+    /// A chain of extensions, or null.
+    pub p_next: *const c_void,
+    /// Stages of the commands.
+    pub shader_stages: ShaderStageFlags,
+    /// The pipelines or shaders that generated commands choose from; 0: the bound ones draw.
+    pub indirect_execution_set: u64,
+}
