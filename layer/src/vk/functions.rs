@@ -137,6 +137,18 @@ macro_rules! armed_functions {
                 => draws::draw_multi_indexed;
             cmd_draw_indirect_byte_count: PFN_vkCmdDrawIndirectByteCountEXT = c"vkCmdDrawIndirectByteCountEXT"
                 => draws::draw_byte_count;
+            cmd_draw_indirect2: PFN_vkCmdWithInfo = c"vkCmdDrawIndirect2KHR" => draws::draw_indirect2;
+            cmd_draw_indexed_indirect2: PFN_vkCmdWithInfo = c"vkCmdDrawIndexedIndirect2KHR"
+                => draws::draw_indexed_indirect2;
+            cmd_draw_indirect_count2: PFN_vkCmdWithInfo = c"vkCmdDrawIndirectCount2KHR" => draws::draw_indirect_count2;
+            cmd_draw_indexed_indirect_count2: PFN_vkCmdWithInfo = c"vkCmdDrawIndexedIndirectCount2KHR"
+                => draws::draw_indexed_indirect_count2;
+            cmd_draw_mesh_tasks_indirect2: PFN_vkCmdWithInfo = c"vkCmdDrawMeshTasksIndirect2EXT"
+                => draws::draw_mesh_tasks_indirect2;
+            cmd_draw_mesh_tasks_indirect_count2: PFN_vkCmdWithInfo = c"vkCmdDrawMeshTasksIndirectCount2EXT"
+                => draws::draw_mesh_tasks_indirect_count2;
+            cmd_draw_indirect_byte_count2: PFN_vkCmdDrawIndirectByteCount2EXT = c"vkCmdDrawIndirectByteCount2EXT"
+                => draws::draw_byte_count2;
             cmd_execute_generated_commands: PFN_vkCmdExecuteGeneratedCommandsEXT = c"vkCmdExecuteGeneratedCommandsEXT"
                 => generated::execute;
             cmd_execute_generated_commands_nv: PFN_vkCmdExecuteGeneratedCommandsNV = c"vkCmdExecuteGeneratedCommandsNV"
@@ -184,6 +196,11 @@ macro_rules! armed_functions {
 
             cmd_begin_query: PFN_vkCmdBeginQuery = c"vkCmdBeginQuery" => queries::begin;
             cmd_end_query: PFN_vkCmdEndQuery = c"vkCmdEndQuery" => queries::end;
+            cmd_begin_query_indexed: PFN_vkCmdBeginQueryIndexedEXT = c"vkCmdBeginQueryIndexedEXT"
+                => queries::begin_indexed;
+            cmd_end_query_indexed: PFN_vkCmdEndQueryIndexedEXT = c"vkCmdEndQueryIndexedEXT" => queries::end_indexed;
+            cmd_begin_conditional_rendering2: PFN_vkCmdWithInfo = c"vkCmdBeginConditionalRendering2EXT"
+                => queries::begin_conditional2;
             cmd_begin_conditional_rendering: PFN_vkCmdBeginConditionalRenderingEXT =
                 c"vkCmdBeginConditionalRenderingEXT" => queries::begin_conditional;
             cmd_end_conditional_rendering: PFN_vkCmdEndConditionalRenderingEXT =

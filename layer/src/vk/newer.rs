@@ -6,6 +6,19 @@ use std::ffi::c_void;
 
 pub use ash::vk::*;
 
+/// A command with a structure that is not read: the draws of VK_KHR_device_address_commands, and `vkCmdBeginConditionalRendering2EXT`.
+pub type PFN_vkCmdWithInfo = unsafe extern "system" fn(CommandBuffer, info: *const c_void);
+
+/// `vkCmdDrawIndirectByteCount2EXT` (VK_KHR_device_address_commands).
+pub type PFN_vkCmdDrawIndirectByteCount2EXT = unsafe extern "system" fn(
+    CommandBuffer,
+    instances: u32,
+    first_instance: u32,
+    counter: *const c_void,
+    counter_offset: u32,
+    vertex_stride: u32,
+);
+
 /// `vkCmdEndRendering2KHR` (VK_KHR_maintenance10), which began as `vkCmdEndRendering2EXT` (VK_EXT_fragment_density_map_offset).
 pub type PFN_vkCmdEndRendering2 = unsafe extern "system" fn(CommandBuffer, info: *const c_void);
 

@@ -2,6 +2,7 @@
 
 use super::{Buffer, Recorded, Within, with_buffer};
 use ash::vk;
+use std::ffi::c_void;
 
 /// `vkCmdBeginQuery`.
 ///
@@ -16,14 +17,52 @@ pub unsafe extern "system" fn begin(
 ) {
     hook!("vkCmdBeginQuery", with_buffer, cmd_begin_query(handle, pool, query, flags), |known, next| {
         // SAFETY: the command buffer is recording, by valid usage.
-        unsafe { fill_before(known.as_deref(), handle) };
-        next();
-        if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
-            let mut recorded = known.recorded();
-            recorded.queries += 1;
-            set_queried(&mut recorded);
-        }
+        unsafe { begin_with(known.as_deref(), handle, pool, next) };
     });
+}
+
+/// `vkCmdBeginQueryIndexedEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn begin_indexed(
+    handle: vk::CommandBuffer,
+    pool: vk::QueryPool,
+    query: u32,
+    flags: vk::QueryControlFlags,
+    index: u32,
+) {
+    hook!(
+        "vkCmdBeginQueryIndexedEXT",
+        with_buffer,
+        cmd_begin_query_indexed(handle, pool, query, flags, index),
+        |known, next| {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { begin_with(known.as_deref(), handle, pool, next) };
+        }
+    );
+}
+
+/// A query of a pool begins, by `begin`.
+///
+/// # Safety
+///
+/// The command buffer is recording.
+unsafe fn begin_with(
+    known: Option<&Buffer>,
+    handle: vk::CommandBuffer,
+    pool: vk::QueryPool,
+    begin: impl FnOnce(),
+) {
+    // SAFETY: the command buffer is recording, as `# Safety` demands.
+    unsafe { fill_before(known, handle) };
+    begin();
+    if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
+        let mut recorded = known.recorded();
+        recorded.queries += 1;
+        set_queried(&mut recorded);
+    }
 }
 
 /// Records pending fills, which must be neither counted nor left out.
@@ -46,11 +85,38 @@ unsafe fn fill_before(known: Option<&Buffer>, handle: vk::CommandBuffer) {
 pub unsafe extern "system" fn end(handle: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
     hook!("vkCmdEndQuery", with_buffer, cmd_end_query(handle, pool, query), |known, next| {
         next();
-        if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
-            let mut recorded = known.recorded();
-            recorded.queries = recorded.queries.saturating_sub(1);
-        }
+        ends(known.as_deref(), pool);
     });
+}
+
+/// `vkCmdEndQueryIndexedEXT`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn end_indexed(
+    handle: vk::CommandBuffer,
+    pool: vk::QueryPool,
+    query: u32,
+    index: u32,
+) {
+    hook!(
+        "vkCmdEndQueryIndexedEXT",
+        with_buffer,
+        cmd_end_query_indexed(handle, pool, query, index),
+        |known, next| {
+            next();
+            ends(known.as_deref(), pool);
+        }
+    );
+}
+
+/// A query of a pool has ended.
+fn ends(known: Option<&Buffer>, pool: vk::QueryPool) {
+    if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
+        let mut recorded = known.recorded();
+        recorded.queries = recorded.queries.saturating_sub(1);
+    }
 }
 
 /// `vkCmdBeginConditionalRenderingEXT`.
@@ -68,15 +134,42 @@ pub unsafe extern "system" fn begin_conditional(
         cmd_begin_conditional_rendering(handle, info),
         |known, next| {
             // SAFETY: the command buffer is recording, by valid usage.
-            unsafe { fill_before(known.as_deref(), handle) };
-            next();
-            if let Some(known) = known {
-                let mut recorded = known.recorded();
-                recorded.is_conditional = true;
-                set_queried(&mut recorded);
-            }
+            unsafe { begin_conditional_with(known.as_deref(), handle, next) };
         }
     );
+}
+
+/// `vkCmdBeginConditionalRendering2EXT`, with an address in place of a buffer.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn begin_conditional2(handle: vk::CommandBuffer, info: *const c_void) {
+    hook!(
+        "vkCmdBeginConditionalRendering2EXT",
+        with_buffer,
+        cmd_begin_conditional_rendering2(handle, info),
+        |known, next| {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { begin_conditional_with(known.as_deref(), handle, next) };
+        }
+    );
+}
+
+/// Conditional rendering begins, by `begin`.
+///
+/// # Safety
+///
+/// The command buffer is recording.
+unsafe fn begin_conditional_with(known: Option<&Buffer>, handle: vk::CommandBuffer, begin: impl FnOnce()) {
+    // SAFETY: the command buffer is recording, as `# Safety` demands.
+    unsafe { fill_before(known, handle) };
+    begin();
+    if let Some(known) = known {
+        let mut recorded = known.recorded();
+        recorded.is_conditional = true;
+        set_queried(&mut recorded);
+    }
 }
 
 /// `vkCmdEndConditionalRenderingEXT`.

@@ -96,3 +96,26 @@ fn generated_commands_draw_if_they_have_stages_that_do() {
         });
     }
 }
+
+#[test]
+fn draws_by_addresses_count() {
+    let draws_by = [
+        hook!(c"vkCmdDrawIndirect2KHR": PFN_vkCmdWithInfo),
+        hook!(c"vkCmdDrawIndexedIndirect2KHR": PFN_vkCmdWithInfo),
+        hook!(c"vkCmdDrawIndirectCount2KHR": PFN_vkCmdWithInfo),
+        hook!(c"vkCmdDrawIndexedIndirectCount2KHR": PFN_vkCmdWithInfo),
+        hook!(c"vkCmdDrawMeshTasksIndirect2EXT": PFN_vkCmdWithInfo),
+        hook!(c"vkCmdDrawMeshTasksIndirectCount2EXT": PFN_vkCmdWithInfo),
+    ];
+    let end = hook!(c"vkCmdEndRenderingKHR": PFN_vkCmdEndRendering);
+    with_command_buffer(|handle, buffer| {
+        begin(handle);
+        for draw in draws_by {
+            // SAFETY: the command buffer is live; the stand-in does not read the structure.
+            unsafe { draw(handle, null()) };
+        }
+        // SAFETY: the command buffer is live.
+        unsafe { end(handle) };
+        assert_eq!(draws(buffer), [Some(draws_by.len() as u32)]);
+    });
+}

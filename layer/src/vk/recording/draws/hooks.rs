@@ -4,6 +4,7 @@ use super::quick::quick;
 use super::{Counted, Counts, count, count_tracked};
 use crate::vk::recording::with_buffer;
 use ash::vk;
+use std::ffi::c_void;
 
 /// Hooks of draws; `$counts` are the counts of a call.
 macro_rules! draws {
@@ -76,6 +77,27 @@ draws! {
         counter: vk::Buffer,
         counter_offset: vk::DeviceSize,
         offset: u32,
+        vertex_stride: u32
+    ), counts Counts::INDIRECT;
+    draw_indirect2, "vkCmdDrawIndirect2KHR", cmd_draw_indirect2: (info: *const c_void), counts Counts::INDIRECT;
+    draw_indexed_indirect2, "vkCmdDrawIndexedIndirect2KHR", cmd_draw_indexed_indirect2: (info: *const c_void),
+        counts Counts::INDIRECT;
+    draw_indirect_count2, "vkCmdDrawIndirectCount2KHR", cmd_draw_indirect_count2: (info: *const c_void),
+        counts Counts::INDIRECT;
+    draw_indexed_indirect_count2, "vkCmdDrawIndexedIndirectCount2KHR", cmd_draw_indexed_indirect_count2: (
+        info: *const c_void
+    ), counts Counts::INDIRECT;
+    draw_mesh_tasks_indirect2, "vkCmdDrawMeshTasksIndirect2EXT", cmd_draw_mesh_tasks_indirect2: (
+        info: *const c_void
+    ), counts Counts::INDIRECT;
+    draw_mesh_tasks_indirect_count2, "vkCmdDrawMeshTasksIndirectCount2EXT", cmd_draw_mesh_tasks_indirect_count2: (
+        info: *const c_void
+    ), counts Counts::INDIRECT;
+    draw_byte_count2, "vkCmdDrawIndirectByteCount2EXT", cmd_draw_indirect_byte_count2: (
+        instances: u32,
+        first_instance: u32,
+        counter: *const c_void,
+        counter_offset: u32,
         vertex_stride: u32
     ), counts Counts::INDIRECT;
 }
