@@ -40,8 +40,8 @@ pub enum Driver {
     Lavapipe,
     /// Access to the system's real GPUs.
     System,
-    /// lavapipe of Debian sid, which `cargo dev drivers` unpacks. Programs must be started by [`Driver::command`].
-    NewestLavapipe,
+    /// lavapipe of unpacked drivers. Programs must be started by [`Driver::command`].
+    UnpackedLavapipe(Folder),
     /// One of Mesa's real drivers over a shim of the kernel's device. Programs must be started by [`Driver::command`].
     Shim(ShimDevice),
 }
@@ -50,7 +50,7 @@ impl Driver {
     /// Folders with the explicit layers that programs find with this driver, besides the test layers.
     pub(crate) fn data_folders(self) -> Vec<PathBuf> {
         match self {
-            Driver::NewestLavapipe => sid_data(),
+            Driver::UnpackedLavapipe(Folder::Sid) => sid_data(),
             Driver::Shim(device) if device.folder() == Folder::Sid => sid_data(),
             _ => ["/usr/share", "/usr/local/share", "/etc"].map(PathBuf::from).into(),
         }
@@ -63,7 +63,7 @@ impl Driver {
     pub fn command(self, program: &Path) -> Result<Command, HarnessError> {
         match self {
             Driver::Lavapipe | Driver::System => Ok(Command::new(program)),
-            Driver::NewestLavapipe => Folder::Sid.command(program),
+            Driver::UnpackedLavapipe(folder) => folder.command(program),
             Driver::Shim(device) => device.folder().command(program),
         }
     }
@@ -178,11 +178,9 @@ impl Installation {
                 std::env::var_os(DRIVER_VARIABLE).or_else(|| Some(lavapipe()?.into_os_string()))
             }
             Driver::System => None,
-            Driver::NewestLavapipe => {
-                // Loaders find explicit layers here.
-                variables
-                    .extend(sid_data().into_iter().map(|folder| ("XDG_DATA_DIRS", folder.into_os_string())));
-                Some(Folder::Sid.manifest("lvp_icd")?.into_os_string())
+            Driver::UnpackedLavapipe(folder) => {
+                variables.push(folder.environment()?);
+                Some(folder.manifest("lvp_icd")?.into_os_string())
             }
             Driver::Shim(device) => {
                 variables.extend(device.environment()?);

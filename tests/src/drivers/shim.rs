@@ -42,6 +42,27 @@ impl Folder {
         file_of_prefix(&self.path()?.join("usr/share/vulkan/icd.d"), prefix)
     }
 
+    /// The variable by which programs started by [`Self::command`] find this folder's libraries and layers.
+    ///
+    /// # Errors
+    /// As for [`Self::manifest`].
+    pub fn environment(self) -> Result<(&'static str, OsString), HarnessError> {
+        let folder = self.path()?;
+        Ok(match self {
+            Folder::Release => {
+                let mut path = libraries(&folder).into_os_string();
+                if let Some(before) = std::env::var_os("LD_LIBRARY_PATH") {
+                    path.push(":");
+                    path.push(before);
+                }
+                ("LD_LIBRARY_PATH", path)
+            }
+            // Loaders find explicit layers here. Programs of this machine's C library must not find sid's libraries: the
+            // library path is a part of the command.
+            Folder::Sid => ("XDG_DATA_DIRS", folder.join("usr/share").into_os_string()),
+        })
+    }
+
     /// A command that runs `program` on the libraries of this folder.
     ///
     /// # Errors
@@ -174,21 +195,7 @@ impl ShimDevice {
             ("VK_DRIVER_FILES", manifest.clone().into_os_string()),
             ("VK_ICD_FILENAMES", manifest.into_os_string()),
         ];
-        match self.folder() {
-            Folder::Release => {
-                let mut path = libraries.into_os_string();
-                if let Some(before) = std::env::var_os("LD_LIBRARY_PATH") {
-                    path.push(":");
-                    path.push(before);
-                }
-                variables.push(("LD_LIBRARY_PATH", path));
-            }
-            // Loaders find explicit layers here. Programs of this machine's C library must not find sid's libraries: the
-            // library path is a part of the command.
-            Folder::Sid => {
-                variables.push(("XDG_DATA_DIRS", folder.join("usr/share").into_os_string()));
-            }
-        }
+        variables.push(self.folder().environment()?);
         Ok(variables)
     }
 }

@@ -6,6 +6,7 @@ use parafovea_tests::installation::Driver;
 use parafovea_tests::run::Outcome;
 use parafovea_trial::{Lack, skip};
 use parafovea_zoo::{SKIPPED, Style};
+use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 /// A trial that may [`skip`], within `cargo test` too.
@@ -26,12 +27,14 @@ pub fn skip_unless_run(outcome: &Outcome) {
     }
 }
 
-/// The driver for a style: the newest lavapipe where the style needs that, and `cargo dev drivers` has unpacked it.
+/// The driver for a style: an unpacked lavapipe where the style needs a newer one than the installed, and there is one.
 pub fn driver(style: &Style) -> Driver {
-    // Since Mesa 26.
-    let needs_newest = style.needs.extensions.contains(&c"VK_EXT_descriptor_heap");
-    match needs_newest && Folder::Sid.path().is_ok() {
-        true => Driver::NewestLavapipe,
-        false => Driver::default(),
-    }
+    // By the version of Mesa that has them: 26 in sid, which `cargo dev drivers` unpacks, and 25 in the backports of bookworm.
+    let newer: [(Folder, &[&CStr]); 2] = [
+        (Folder::Sid, &[c"VK_EXT_descriptor_heap"]),
+        (Folder::Release, &[c"VK_EXT_descriptor_buffer", c"VK_KHR_maintenance5", c"VK_EXT_shader_object"]),
+    ];
+    let needs = |names: &[&CStr]| style.needs.extensions.iter().any(|name| names.contains(name));
+    let folder = newer.into_iter().find(|(_, names)| needs(names)).map(|(folder, _)| folder);
+    folder.filter(|folder| folder.path().is_ok()).map_or(Driver::default(), Driver::UnpackedLavapipe)
 }
