@@ -284,8 +284,7 @@ impl Recorded {
             self.tally.execute(&secondary.tally);
         }
         self.drawing.forget();
-        // Nothing is bound any more.
-        self.offsets.clear();
+        self.offsets.forget_offsets();
     }
 }
 

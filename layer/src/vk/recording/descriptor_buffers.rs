@@ -52,10 +52,15 @@ impl What {
 impl BufferOffsets {
     /// Forgets all; the memory stays.
     pub fn clear(&mut self) {
+        self.forget_offsets();
+        self.heaps.clear();
+    }
+
+    /// Forgets all but heaps: secondary command buffers leave nothing else bound, and heaps only where they have the same ones.
+    pub fn forget_offsets(&mut self) {
         self.calls.clear();
         self.has_more = false;
         self.is_mixed = false;
-        self.heaps.clear();
     }
 
     /// Whether nothing of that kind is in use.
@@ -368,6 +373,26 @@ mod tests {
         kept.bind_sets(GRAPHICS);
         kept.bind_buffers();
         assert!(kept.is_complete() && kept.is_empty(), "nothing is set any more");
+    }
+
+    #[test]
+    fn sets_and_offsets_end_heaps_and_secondary_command_buffers_do_not() {
+        let with_data = || {
+            let mut kept = BufferOffsets::default();
+            kept.heaps().push(0, &[1; 4]);
+            kept
+        };
+        let after = |change: fn(&mut BufferOffsets)| {
+            let mut kept = with_data();
+            change(&mut kept);
+            kept.heaps.is_empty()
+        };
+        assert!(!with_data().is_empty() && with_data().is_complete());
+        assert!(after(|kept| kept.bind_sets(COMPUTE)));
+        assert!(after(|kept| kept.set(offsets(GRAPHICS, 0, &[0]))));
+        assert!(after(BufferOffsets::bind_buffers));
+        assert!(after(BufferOffsets::clear));
+        assert!(!after(BufferOffsets::forget_offsets));
     }
 
     #[test]

@@ -81,7 +81,8 @@ impl BoundHeaps {
         }
     }
 
-    fn push(&mut self, offset: usize, bytes: &[u8]) {
+    /// Data is pushed from an offset on.
+    pub(super) fn push(&mut self, offset: usize, bytes: &[u8]) {
         let end = offset + bytes.len();
         if self.data.len() < end {
             self.data.resize(end, 0);
