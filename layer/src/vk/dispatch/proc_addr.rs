@@ -87,6 +87,7 @@ fn is_frequent(name: &CStr) -> bool {
             b"vkCmdPushDescriptor",
             b"vkCmdSetDescriptor",
             PUSH_CONSTANTS,
+            PUSH_DATA,
             STENCIL,
             DRAW,
         ]
@@ -100,13 +101,16 @@ const STENCIL: &[u8] = b"vkCmdSetStencil";
 /// Prefix of the names of commands that push constants.
 const PUSH_CONSTANTS: &[u8] = b"vkCmdPushConstants";
 
+/// Prefix of the names of commands that push data beside descriptor heaps.
+const PUSH_DATA: &[u8] = b"vkCmdPushData";
+
 /// Prefix of the names of draw commands.
 const DRAW: &[u8] = b"vkCmdDraw";
 
-/// Whether it is of interest: stencil where passes may have masks, and constants where they may beside descriptor heaps; draws and descriptors where passes may be made coarser; pipelines where
-/// rates may have to be set then, or masks must know of them.
+/// Whether it is of interest: stencil tests and pushed data where passes may have masks, and constants too where there are heaps; draws and
+/// descriptors where passes may be made coarser; pipelines where rates may have to be set then, or masks must know of them.
 fn is_wanted(device: &Device, name: &CStr) -> bool {
-    if name.to_bytes().starts_with(STENCIL) {
+    if [STENCIL, PUSH_DATA].iter().any(|begin| name.to_bytes().starts_with(begin)) {
         return device.masks().is_some();
     }
     if name.to_bytes().starts_with(PUSH_CONSTANTS) {
