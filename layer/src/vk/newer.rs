@@ -1,4 +1,4 @@
-//! Types of Vulkan: those of `ash`, and types of extensions that are newer than its headers.
+//! Types of Vulkan: all types of `ash`, and types of newer extensions.
 
 #![allow(non_camel_case_types, reason = "names of the specification, as `ash` has them")]
 
@@ -6,7 +6,7 @@ use std::ffi::c_void;
 
 pub use ash::vk::*;
 
-/// A command with a structure that is not read: the draws of VK_KHR_device_address_commands, and `vkCmdBeginConditionalRendering2EXT`.
+/// A command with an opaque structure: the draws of VK_KHR_device_address_commands, and `vkCmdBeginConditionalRendering2EXT`.
 pub type PFN_vkCmdWithInfo = unsafe extern "system" fn(CommandBuffer, info: *const c_void);
 
 /// `vkCmdDrawIndirectByteCount2EXT` (VK_KHR_device_address_commands).
@@ -42,7 +42,7 @@ pub struct BindHeapInfo {
     pub p_next: *const c_void,
     /// Address and size.
     pub heap: [u64; 2],
-    /// Offset and size of the range that the driver uses.
+    /// Offset and size of the driver's own range.
     pub reserved: [u64; 2],
 }
 
@@ -70,6 +70,6 @@ pub struct GeneratedCommandsInfo {
     pub p_next: *const c_void,
     /// Stages of the commands.
     pub shader_stages: ShaderStageFlags,
-    /// The pipelines or shaders that generated commands choose from; 0: the bound ones draw.
+    /// A set of pipelines or shaders for generated commands; 0: the bound ones draw.
     pub indirect_execution_set: u64,
 }

@@ -43,7 +43,7 @@ const KERNEL_THREADS: u32 = 2;
 const READS: u32 = 4;
 const BETWEEN_READS: Duration = Duration::from_millis(1);
 
-/// An environment by `read`; empty for a process of another user, of which ours has none.
+/// An environment by `read`; empty for a process of another user, as its environment is private.
 fn environment(mut read: impl FnMut() -> io::Result<Vec<u8>>) -> Vec<u8> {
     for _ in 1..READS {
         match read() {

@@ -46,7 +46,7 @@ impl Bounds {
         self.map.is_some()
     }
 
-    /// Goes on to the row of blocks between two lines; false where there is nothing to go by.
+    /// Advances to the row of blocks between two lines; false without a map.
     pub(super) fn set(&mut self, edges: &[f32], [top, bottom]: [f32; 2]) -> bool {
         let Some(Map { matrix, bend }) = &self.map else { return false };
         std::mem::swap(&mut self.upper, &mut self.lower);

@@ -87,7 +87,7 @@ impl RateImages {
         self.stand_in.get_or_init(|| self.of(RateImageKey::shared(texels, 1))).as_ref()
     }
 
-    /// The image of that key, or else the stand-in, where that is large enough.
+    /// The image of that key, or else the stand-in, if it is large enough.
     pub fn fitting(&self, key: RateImageKey) -> Option<Arc<RateImage>> {
         self.of(key).or_else(|| {
             let fits =

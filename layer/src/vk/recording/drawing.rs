@@ -347,6 +347,18 @@ pub unsafe fn leave(buffer: &Buffer, handle: vk::CommandBuffer) {
     }
 }
 
+/// As [`leave`], before a command of which the substitute or its set would change the effect; nothing without masks.
+///
+/// # Safety
+///
+/// As for [`bind`].
+pub unsafe fn leave_for_command(buffer: Option<&Buffer>, handle: vk::CommandBuffer) {
+    if let Some(buffer) = buffer.filter(|buffer| buffer.armed.masks.is_some()) {
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
+        unsafe { leave(buffer, handle) };
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

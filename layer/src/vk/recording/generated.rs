@@ -1,5 +1,5 @@
-//! Draws whose commands the GPU generates (`VK_EXT_device_generated_commands`, with which vkd3d-proton executes indirectly). Such a command
-//! may draw with pipelines that only a buffer names.
+//! Device-generated draws (`VK_EXT_device_generated_commands`, which vkd3d-proton uses for indirect execution). They may use pipelines named by a
+//! buffer of the application.
 
 use super::draws::{Counts, count_tracked};
 use super::{Buffer, drawing, with_buffer};
@@ -30,7 +30,7 @@ pub unsafe extern "system" fn execute(
         cmd_execute_generated_commands(handle, is_preprocessed, info),
         |known, next| {
             // SAFETY: the command buffer is recording, by valid usage.
-            unsafe { bind_own_pipeline(known.as_deref(), handle) };
+            unsafe { drawing::leave_for_command(known.as_deref(), handle) };
             next();
             // SAFETY: valid usage demands a valid structure.
             let (stages, set) = unsafe { ((*info).shader_stages, (*info).indirect_execution_set) };
@@ -57,7 +57,7 @@ pub unsafe extern "system" fn execute_nv(
         cmd_execute_generated_commands_nv(handle, is_preprocessed, info),
         |known, next| {
             // SAFETY: the command buffer is recording, by valid usage.
-            unsafe { bind_own_pipeline(known.as_deref(), handle) };
+            unsafe { drawing::leave_for_command(known.as_deref(), handle) };
             next();
             // SAFETY: valid usage demands a valid structure.
             let point = unsafe { (*info).pipeline_bind_point };
@@ -68,19 +68,7 @@ pub unsafe extern "system" fn execute_nv(
     );
 }
 
-/// Binds the application's pipeline in place of a substitute: the command may name it.
-///
-/// # Safety
-///
-/// The command buffer is recording.
-unsafe fn bind_own_pipeline(known: Option<&Buffer>, handle: vk::CommandBuffer) {
-    if let Some(known) = known.filter(|known| known.armed.masks.is_some()) {
-        // SAFETY: the command buffer is recording, as `# Safety` demands.
-        unsafe { drawing::leave(known, handle) };
-    }
-}
-
-/// Counts them as draws that only the GPU knows, of unknown pipelines if `chooses_pipelines`.
+/// Counts them as indirect draws, with unknown pipelines if `chooses_pipelines`.
 fn note_draws(known: &Buffer, handle: vk::CommandBuffer, chooses_pipelines: bool) {
     if chooses_pipelines && known.armed.masks.is_some() {
         known.recorded().use_pipeline(PipelineFacts::UNKNOWN);

@@ -1,11 +1,11 @@
 //! Descriptor heaps and push data (VK_EXT_descriptor_heap), so that they can be bound again after work of ours between the application's
-//! commands. DXVK and vkd3d-proton use them where the driver has them.
+//! commands. DXVK uses them on AMD's GPUs, and vkd3d-proton on request.
 //!
 //! That work binds descriptor sets, which invalidates all heap state (Vulkan specification, vkCmdPushDataEXT), as do the application's own
 //! sets and push constants.
 
 use super::descriptor_buffers::note;
-use super::{Buffer, drawing, with_buffer};
+use super::{drawing, with_buffer};
 use crate::abi::copies::slice;
 use crate::abi::pnext::chain;
 use crate::vk::functions::ArmedTable;
@@ -30,7 +30,7 @@ pub struct BoundHeaps {
     resource: Option<HeapRange>,
     /// From offset 0 on.
     data: SmallVec<[u8; 256]>,
-    /// Whether something is bound that is not kept: with a chain of extensions.
+    /// Whether a bind or a push had a chain of extensions, which cannot be repeated.
     has_more: bool,
 }
 
@@ -39,7 +39,7 @@ pub struct BoundHeaps {
 struct HeapRange {
     /// Address and size.
     heap: [u64; 2],
-    /// Offset and size of the range that the driver uses.
+    /// Offset and size of the driver's own range.
     reserved: [u64; 2],
 }
 
@@ -143,7 +143,7 @@ pub unsafe fn are_inherited(info: &vk::CommandBufferBeginInfo<'_>) -> bool {
 pub unsafe extern "system" fn bind_samplers(handle: vk::CommandBuffer, info: *const BindHeapInfo) {
     hook!("vkCmdBindSamplerHeapEXT", with_buffer, cmd_bind_sampler_heap(handle, info), |known, next| {
         // SAFETY: the command buffer is recording, by valid usage.
-        unsafe { leave_substitute(known.as_deref(), handle) };
+        unsafe { drawing::leave_for_command(known.as_deref(), handle) };
         next();
         if let Some(known) = known {
             // SAFETY: the structure is valid, by valid usage.
@@ -162,7 +162,7 @@ pub unsafe extern "system" fn bind_samplers(handle: vk::CommandBuffer, info: *co
 pub unsafe extern "system" fn bind_resources(handle: vk::CommandBuffer, info: *const BindHeapInfo) {
     hook!("vkCmdBindResourceHeapEXT", with_buffer, cmd_bind_resource_heap(handle, info), |known, next| {
         // SAFETY: the command buffer is recording, by valid usage.
-        unsafe { leave_substitute(known.as_deref(), handle) };
+        unsafe { drawing::leave_for_command(known.as_deref(), handle) };
         next();
         if let Some(known) = known {
             let points = [vk::PipelineBindPoint::GRAPHICS];
@@ -182,7 +182,7 @@ pub unsafe extern "system" fn bind_resources(handle: vk::CommandBuffer, info: *c
 pub unsafe extern "system" fn push_data(handle: vk::CommandBuffer, info: *const PushDataInfo) {
     hook!("vkCmdPushDataEXT", with_buffer, cmd_push_data(handle, info), |known, next| {
         // SAFETY: the command buffer is recording, by valid usage.
-        unsafe { leave_substitute(known.as_deref(), handle) };
+        unsafe { drawing::leave_for_command(known.as_deref(), handle) };
         next();
         if let Some(known) = known.filter(|known| known.armed.masks.is_some()) {
             // SAFETY: the structure is valid, by valid usage, with so many bytes.
@@ -236,18 +236,6 @@ pub unsafe extern "system" fn push_constants2(
             known.recorded().offsets.heaps().clear();
         }
     });
-}
-
-/// Binds the application's pipeline in place of a substitute, whose set would invalidate the heaps.
-///
-/// # Safety
-///
-/// The command buffer is recording.
-unsafe fn leave_substitute(known: Option<&Buffer>, handle: vk::CommandBuffer) {
-    if let Some(known) = known.filter(|known| known.armed.masks.is_some()) {
-        // SAFETY: the command buffer is recording, as `# Safety` demands.
-        unsafe { drawing::leave(known, handle) };
-    }
 }
 
 #[cfg(test)]

@@ -68,8 +68,8 @@ fn rendering_ends_by_each_of_its_commands() {
 }
 
 #[test]
-fn generated_commands_draw_if_they_have_stages_that_do() {
-    /// `VkGeneratedCommandsInfoEXT`, as far as it is read.
+fn generated_commands_with_graphics_stages_draw() {
+    /// The beginning of `VkGeneratedCommandsInfoEXT`.
     #[repr(C)]
     struct Info {
         s_type: i32,

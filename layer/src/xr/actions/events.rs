@@ -1,4 +1,4 @@
-//! `xrPollEvent`: the application's events, without those that the layer causes.
+//! `xrPollEvent`: the application's events, without the layer's own.
 
 use super::below_of;
 use crate::abi::guard;

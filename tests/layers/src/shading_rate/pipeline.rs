@@ -28,7 +28,7 @@ const SHADING: [vk::GraphicsPipelineLibraryFlagsEXT; 2] = [
     vk::GraphicsPipelineLibraryFlagsEXT::FRAGMENT_SHADER,
 ];
 
-/// Flags of 64 bits, of which all may be set by newer extensions.
+/// Flags of 64 bits; newer extensions use the upper half.
 type WideFlags<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
 
 /// # Safety
