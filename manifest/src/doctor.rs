@@ -21,6 +21,7 @@ mod surroundings;
 mod variables;
 
 pub use finding::{Finding, Fix, Severity};
+pub use manifests::installed_elsewhere;
 pub use probed::{CreatedDevice, Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
 pub use surroundings::Surroundings;
 

@@ -282,7 +282,7 @@ options! {
         source: GazeSource = GazeSource::Auto;
         /// Time for which the last gaze stays in use after the tracker loses the eyes, for instance in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
-        /// Delay until the layer attaches the eye tracker in an application without OpenXR input, which cannot set up OpenXR input after that; 0 for never.
+        /// Delay until the layer attaches the eye tracker if the application has no OpenXR input; 0 for never. After that, the application cannot set up OpenXR input.
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
         /// Correction of the eye tracker, in degrees to the left and upwards; added to the gaze before the correction from parafovea gaze calibrate or recentre.
         offset_deg: Angles = Angles::NONE;
@@ -292,7 +292,7 @@ options! {
         osc_scale_deg: f32 = 45.0, 10.0..=60.0 "degrees";
         /// Recording for source = "file": each line has seconds, degrees left and degrees up, separated by commas, or seconds alone while the eyes are lost.
         file: FilePath = FilePath::NONE;
-        /// Permission for the application to read the gaze through XR_EXT_eye_gaze_interaction, if source is "osc", "auto" or "file" and the runtime has no eye tracker; the application may store or send it. After the first use of this option, run parafovea install, and restart the application.
+        /// Permission for the application to read the gaze through XR_EXT_eye_gaze_interaction, if source is "osc", "auto" or "file" and the runtime has no eye tracker; the application may store or send it. Then run parafovea doctor, which checks that applications can find it, and restart the application.
         offer: bool = false;
         /// New file for a recording of the gaze, in the format of gaze.file; without this option, no file contains the gaze.
         record: FilePath = FilePath::NONE;
@@ -332,7 +332,7 @@ options! {
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// Coarsest shading rate, in pixels; a device without this rate uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::Auto;
-        /// Greatest contrast loss of a tile for mode = "auto" and "audio-visual", in just-noticeable differences, with the loudest sound; up to 1.8 less with other sound and in silence. Tiles lose it only where that saves most.
+        /// Greatest contrast loss of a tile, in just-noticeable differences, for mode = "auto" and "audio-visual". It applies with the loudest sound; with quieter sound or in silence, the limit is up to 1.8 lower. Only the tiles with the largest saving reach it.
         greatest_loss: f32 = 8.0, 0.0..=16.0 "";
         /// Shading rates in silence, for mode = "auto" and "audio-visual".
         silence: SilenceRule = SilenceRule::Contrast;
@@ -350,7 +350,7 @@ options! {
         phase: ReusePhase = ReusePhase::Staggered;
         /// Permission to update regions less than 30 times per second, where flicker is most visible; always given with mode = "paper".
         below_30_hz: bool = false;
-        /// Rendering of tiles with visible changes in every frame, within the time that re-use saves; always off with mode = "paper".
+        /// Whether tiles with visible changes are rendered in every frame, as long as this takes less time than re-use saves; always off with mode = "paper".
         refresh: bool = true;
     }
 
@@ -364,7 +364,7 @@ options! {
         cr_bound: f32 = 0.55, 0.35..=0.55 "";
         /// Radius of full colour around the gaze; never less than the tracker's error.
         plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";
-        /// Angle from the gaze at which the curves end; with mode = "default", at least 15 degrees more than plateau_deg.
+        /// Angle from the gaze at which the curves end; with mode = "default", at least plateau_deg plus 15.
         max_eccentricity_deg: f32 = 55.0, 20.0..=110.0 "degrees";
         /// Minimum width of the transition from full to attenuated colour, as a fraction of the distance from plateau_deg to max_eccentricity_deg; higher values are softer.
         rim_fade: f32 = 0.5, 0.25..=1.0 "";

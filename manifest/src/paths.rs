@@ -16,8 +16,19 @@ pub struct Environment {
     state_home: Option<PathBuf>,
     cache_home: Option<PathBuf>,
     runtime_dir: Option<PathBuf>,
+    home: Option<PathBuf>,
+    is_container: bool,
     quirks: Option<OsString>,
 }
+
+/// The homes of Flatpaks, below `$HOME` (Flatpak, "Sandbox Permissions").
+pub const FLATPAK_HOMES: &str = ".var/app";
+
+/// The home of Steam's games where Steam is a Flatpak, below `$HOME`.
+pub const FLATPAK_STEAM: &str = ".var/app/com.valvesoftware.Steam";
+
+/// The variable that containers set to their name, Flatpak and Steam's pressure-vessel among them (systemd, "Container Interface").
+const CONTAINER_VARIABLE: &str = "container";
 
 impl Environment {
     /// Takes the variables from `variable`, which looks a variable up (`|name| std::env::var_os(name)`).
@@ -40,6 +51,8 @@ impl Environment {
             state_home: base("XDG_STATE_HOME", ".local/state"),
             cache_home: base("XDG_CACHE_HOME", ".cache"),
             runtime_dir: absolute("XDG_RUNTIME_DIR"),
+            is_container: set(CONTAINER_VARIABLE).is_some(),
+            home,
             quirks: variable(QUIRKS_VARIABLE),
         }
     }
@@ -79,6 +92,37 @@ impl Environment {
         self.runtime_dir.as_deref()
     }
 
+    /// Whether this process runs in a container, such as Flatpak's or Steam's pressure-vessel.
+    pub fn is_container(&self) -> bool {
+        self.is_container
+    }
+
+    /// The folder for the status of this process: `$XDG_RUNTIME_DIR/parafovea`. Containers of games have a runtime folder of their own, but
+    /// share the home, so in them it is `$XDG_STATE_HOME/parafovea/running`.
+    pub fn status_folder(&self) -> Option<PathBuf> {
+        if self.is_container {
+            self.shared_status_folder()
+        } else {
+            Some(self.runtime_dir()?.join("parafovea"))
+        }
+    }
+
+    /// The folders with the status of applications, this process's own first: outside and inside containers, and in Steam's Flatpak.
+    pub fn status_folders(&self) -> Vec<PathBuf> {
+        let flatpak = self.home.as_ref().map(|home| home.join(FLATPAK_STEAM).join(".local/state"));
+        let mut folders = Vec::new();
+        for folder in
+            [self.status_folder(), self.shared_status_folder(), flatpak.as_deref().map(shared_status_folder)]
+        {
+            folders.extend(folder.filter(|folder| !folders.contains(folder)));
+        }
+        folders
+    }
+
+    fn shared_status_folder(&self) -> Option<PathBuf> {
+        self.state_home().map(shared_status_folder)
+    }
+
     /// The value of [`QUIRKS_VARIABLE`]; empty where it is not set.
     pub fn quirks(&self) -> Cow<'_, str> {
         self.quirks.as_deref().unwrap_or_default().to_string_lossy()
@@ -89,6 +133,10 @@ impl Environment {
         let name = executable.file_name().and_then(file_stem)?;
         Some(self.state_home()?.join("parafovea").join(format!("{name}.log")))
     }
+}
+
+fn shared_status_folder(state_home: &Path) -> PathBuf {
+    state_home.join("parafovea/running")
 }
 
 /// The longest name before an extension: file systems allow 255 bytes in all.
@@ -146,6 +194,28 @@ mod tests {
     }
 
     #[test]
+    fn containers_have_their_status_in_the_home_that_they_share() {
+        let host = [("HOME", "/h"), ("XDG_RUNTIME_DIR", "/run/user/1")];
+        let [host, inside] = [
+            environment(false, &host),
+            environment(false, &[&host[..], &[("container", "pressure-vessel")]].concat()),
+        ];
+        let shared = Path::new("/h/.local/state/parafovea/running");
+        assert_eq!(host.status_folder().as_deref(), Some(Path::new("/run/user/1/parafovea")));
+        assert_eq!(inside.status_folder().as_deref(), Some(shared));
+        let flatpak = PathBuf::from("/h/.var/app/com.valvesoftware.Steam/.local/state/parafovea/running");
+        assert_eq!(
+            host.status_folders(),
+            ["/run/user/1/parafovea".into(), shared.to_owned(), flatpak.clone()]
+        );
+        assert_eq!(inside.status_folders(), [shared.to_owned(), flatpak]);
+        assert_eq!(
+            environment(true, &[("HOME", "/h"), ("container", "flatpak")]).status_folders(),
+            [""; 0].map(PathBuf::from)
+        );
+    }
+
+    #[test]
     fn elevated_rights_leave_nothing_of_the_environment() {
         let all = [
             "HOME",
@@ -153,6 +223,7 @@ mod tests {
             "XDG_DATA_HOME",
             "XDG_STATE_HOME",
             "XDG_RUNTIME_DIR",
+            "container",
             "PARAFOVEA_CONFIG",
         ];
         let elevated = Environment::new(true, |name| all.contains(&name).then(|| OsString::from("/x")));

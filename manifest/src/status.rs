@@ -1,8 +1,10 @@
 //! Status of a running application: a small file for each process, rewritten every second, which `parafovea status` reads.
 //!
-//! The file is the user's alone (mode 0600, in a folder of mode 0700 below `$XDG_RUNTIME_DIR`). It has no direction of the gaze and
+//! The file is the user's alone (mode 0600, in a folder of mode 0700: [`Environment::status_folder`]). It has no direction of the gaze and
 //! no level of the sound: of both only their source, and whether and since when they are available; the stored correction of the eye
 //! tracker, and the drift of the mean gaze.
+//!
+//! [`Environment::status_folder`]: crate::paths::Environment::status_folder
 
 mod correction;
 mod effect;

@@ -37,6 +37,8 @@ impl Container {
             ("HOME", home.clone().into_os_string()),
             ("PATH", "/usr/bin:/bin".into()),
             ("PARAFOVEA_MOCK_SCENARIO", scenario.into()),
+            ("container", "pressure-vessel".into()),
+            ("XDG_RUNTIME_DIR", folder.path().join("run").into()),
         ]);
         environment.extend(std::env::var_os("LD_LIBRARY_PATH").map(|path| ("LD_LIBRARY_PATH", path)));
         let try_mount = ["-rm", "sh", "-c", "mount --bind /usr /usr && mount -o remount,ro,bind /usr"];
@@ -103,6 +105,7 @@ fn a_game_in_a_container_has_the_layer_and_without_one_half_it_runs_as_it_is() {
     let container = Container::new();
     let (output, log) = container.play();
     assert!(output.status.success() && log.contains("session active"), "{output:?}\n{log}");
+    assert!(container.home().join(".local/state/parafovea/running").is_dir(), "no status outside: {log}");
 
     let vulkan = container.manifest("vulkan/implicit_layer.d");
     fs::rename(&vulkan, vulkan.with_extension("away")).unwrap();

@@ -32,6 +32,24 @@ fn options_of_the_readme_are_there() {
     }
 }
 
+/// The counts of styles are those of the table.
+#[test]
+fn styles_of_the_readme_are_counted() {
+    let table = std::fs::read_to_string(root().join("tests/baselines/backends.md")).unwrap();
+    let rows = table.lines().skip_while(|line| !line.starts_with("| style | rate attachment |")).skip(2);
+    let rows: Vec<Vec<&str>> =
+        rows.take_while(|line| line.starts_with('|')).map(|line| line.split(" | ").collect()).collect();
+    let engaged = |column: usize| rows.iter().filter(|row| row[column] == "engaged").count();
+    let words: Vec<&str> = README.split_whitespace().collect();
+    let text = words.join(" ");
+    for claim in [
+        format!("in {} of the [{} tested rendering styles]", engaged(1), rows.len()),
+        format!("It works in {} of these styles.", engaged(2)),
+    ] {
+        assert!(rows.len() > 40 && text.contains(&claim), "not in the README: {claim}");
+    }
+}
+
 #[test]
 fn the_readme_is_short() {
     assert!(README.lines().count() <= 200, "{} lines", README.lines().count());

@@ -70,7 +70,7 @@ fn tells_what_it_does(application: &Application) {
     for expected in [
         &*status.application,
         "backend   mask",
-        "gaze      fixed at the centre of the view",
+        "gaze      fixed around the axis of each lens",
         "rates     on, because of rates.gate",
     ] {
         assert!(output.contains(expected), "{expected} in\n{output}");

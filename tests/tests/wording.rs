@@ -16,8 +16,8 @@ const BANNED: &str = include_str!("wording/banned.txt");
 const RELATIVE: [&str; 10] =
     ["what", "whatever", "who", "whoever", "whose", "which", "whichever", "where", "wherever", "those"];
 
-/// Documents; all of `tests/baselines` too.
-const DOCUMENTS: [&str; 13] = [
+/// Documents and the installer; all of `tests/baselines` too.
+const DOCUMENTS: [&str; 14] = [
     "README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
@@ -31,6 +31,7 @@ const DOCUMENTS: [&str; 13] = [
     "tests/report/README.md",
     "tests/runtime/README.md",
     "tests/scene/README.md",
+    "tests/src/dist/install.sh",
 ];
 
 /// Sources with messages and help texts.

@@ -223,7 +223,7 @@ fn gaze_of(source: GazeSource, has_tracker: bool) -> &'static str {
         }
         (GazeSource::Eyes, false) => "without an eye tracker: rates are fixed around the axis of each lens",
         (GazeSource::Osc, _) => "gaze from OSC packets (gaze.source = \"osc\")",
-        (GazeSource::Centre, _) => "gaze fixed at the centre of the view (gaze.source = \"centre\")",
+        (GazeSource::Centre, _) => "gaze fixed around the axis of each lens (gaze.source = \"centre\")",
         (GazeSource::File, _) => "gaze from a file (gaze.source = \"file\")",
     }
 }

@@ -2,6 +2,8 @@
 
 use clap::{Command, ValueEnum};
 use clap_complete::Shell;
+use clap_mangen::Man;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// Kind of output.
@@ -44,8 +46,30 @@ pub fn generate(what: What, command: &mut Command) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// One page with every subcommand.
-fn manual(command: &Command, text: &mut Vec<u8>) -> std::io::Result<()> {
-    let page = clap_mangen::Man::new(command.clone());
-    page.render(text)
+/// One page for the command and all subcommands, each with its options.
+fn manual(command: &mut Command, text: &mut Vec<u8>) -> io::Result<()> {
+    // Subcommands get their whole names.
+    command.build();
+    Man::new(command.clone()).render(text)?;
+    subcommands(command, text)
+}
+
+/// A section for each visible subcommand, with its usage, description and options as subsections.
+fn subcommands(command: &Command, text: &mut Vec<u8>) -> io::Result<()> {
+    for command in
+        command.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help")
+    {
+        let page = Man::new(command.clone());
+        let mut parts = Vec::new();
+        page.render_synopsis_section(&mut parts)?;
+        page.render_description_section(&mut parts)?;
+        if command.get_arguments().any(|argument| !argument.is_hide_set()) {
+            page.render_options_section(&mut parts)?;
+        }
+        let name = command.get_bin_name().unwrap_or(command.get_name());
+        writeln!(text, ".SH \"{}\"", name.to_uppercase())?;
+        text.extend(String::from_utf8_lossy(&parts).replace(".SH ", ".SS ").into_bytes());
+        subcommands(command, text)?;
+    }
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! `parafovea install` and `parafovea uninstall`.
 
 use parafovea_manifest::config::offers_gaze;
+use parafovea_manifest::doctor::{Surroundings, installed_elsewhere};
 use parafovea_manifest::install::{InstallError, LIBRARY_NAME, Step, plan_install, plan_uninstall};
 use parafovea_manifest::paths::Environment;
 use std::env;
@@ -14,12 +15,17 @@ enum Failure {
     Install(#[from] InstallError),
     #[error("neither XDG_DATA_HOME nor HOME names an absolute path, so there is no folder to install into")]
     NoHome,
-    #[error("{LIBRARY_NAME} is not at {}; give its path with --library", list(.0))]
+    #[error("{LIBRARY_NAME} is in none of these places: {}; give its path with --library", list(.0))]
     NoLibrary(Vec<PathBuf>),
+    #[error(
+        "the layer is already installed, and a second installation would be loaded as well: {}; to install it here, first remove that (by the package manager, or parafovea uninstall)",
+        list(.0)
+    )]
+    InstalledElsewhere(Vec<PathBuf>),
 }
 
 fn list(places: &[PathBuf]) -> String {
-    places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(" or ")
+    places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// Whom it is installed for.
@@ -48,8 +54,14 @@ To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %comm
             Some(library) => library,
             None => library_beside_this_program().ok_or_else(|| Failure::NoLibrary(places()))?,
         };
-        let offers_gaze = offers_gaze(&Environment::of_process(false));
-        Ok(plan_install(&scope.data()?, &library, offers_gaze)?)
+        let data = scope.data()?;
+        let elsewhere = installed_elsewhere(&Surroundings::new(Path::new("/"), env::vars_os()), &data);
+        if !elsewhere.is_empty() {
+            return Err(Failure::InstalledElsewhere(elsewhere));
+        }
+        // The settings of the other users are unknown here; without `gaze.offer`, their games have no eye gaze.
+        let offers_gaze = scope.system || offers_gaze(&Environment::of_process(false));
+        Ok(plan_install(&data, &library, offers_gaze)?)
     })
 }
 

@@ -37,6 +37,7 @@ pub enum Command {
         /// Option, such as chroma.mode; `parafovea config default` lists all
         key: String,
         /// Value of the option
+        #[arg(allow_hyphen_values = true)]
         value: String,
     },
     /// Remove an option from an application's file, and return to the value of the preset
@@ -74,7 +75,9 @@ enum Failure {
     #[error("{}: {}", .0.display(), .1)]
     Edit(PathBuf, EditError),
     #[error("nothing was changed:\n{0}")]
-    Config(#[from] ConfigErrors),
+    NotAllowed(ConfigErrors),
+    #[error("the file has errors:\n{0}")]
+    Invalid(ConfigErrors),
     #[error(transparent)]
     Write(#[from] InstallError),
 }
@@ -143,7 +146,7 @@ fn show(files: &Files, application: &str, all: bool) -> Result<String, Failure> 
         None => (config::Config::default(), String::new()),
         Some(path) => {
             let content = fs::read_to_string(path).map_err(|error| Failure::Read(path.clone(), error))?;
-            (config::load(path)?, content)
+            (config::load(path).map_err(Failure::Invalid)?, content)
         }
     };
     let mut text = match &file {
@@ -180,7 +183,10 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
         (None, None) => String::new(),
     };
     let after = edit::apply(&before, option, change).map_err(|error| Failure::Edit(path.clone(), error))?;
-    config::parse(&path, &after)?;
+    if matches!(change, Change::Unset) && after == before {
+        return Ok(format!("{key} is not set for {application}; nothing was changed\n"));
+    }
+    config::parse(&path, &after).map_err(Failure::NotAllowed)?;
     write(&path, after)?;
     let mut text = format!("{}: ", path.display());
     text += &match change {
@@ -190,20 +196,36 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
     if let Some(from) = from {
         let _ = writeln!(
             text,
-            "This new file starts as a copy of {}, which no longer applies to {application}.",
-            from.display()
+            "This new file starts as a copy of {}, {}.",
+            from.display(),
+            files.applies(&from, application)
         );
     }
     Ok(text)
 }
 
+/// Writes the kind's file, with the other settings of the file in force: only one file applies to an application.
 fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> {
     let path = files.own(application)?;
     if read(&path)?.is_some() {
         return Err(Failure::Exists(path));
     }
-    write(&path, kinds::file(kind))?;
-    Ok(format!("{}: created, with settings for {kind}\n", path.display()))
+    let mut text = kinds::file(kind);
+    let mut outcome = format!("{}: created, with settings for {kind}\n", path.display());
+    if let Some(from) = files.in_force(application) {
+        let before = read(&from)?.unwrap_or_default();
+        let config = config::load(&from).map_err(Failure::Invalid)?;
+        let of_kind = effective::set_in(&text);
+        let kept = effective::set_in(&before).into_iter().filter(|key| !of_kind.contains(key));
+        for option in kept.filter_map(|key| option(&key).ok()) {
+            text = edit::apply(&text, option, Change::Set(&option.value(&config)))
+                .map_err(|error| Failure::Edit(path.clone(), error))?;
+        }
+        let applies = files.applies(&from, application);
+        let _ = writeln!(outcome, "Its other settings are those of {}, {applies}.", from.display());
+    }
+    write(&path, text)?;
+    Ok(outcome)
 }
 
 /// Prints a line for each error in any file.

@@ -71,7 +71,7 @@ pub fn watch(
 /// Calls `show`, unless applications have no folder for their state.
 pub fn with_folder(show: impl FnOnce(&Environment) -> ExitCode) -> ExitCode {
     let environment = Environment::of_process(false);
-    if environment.runtime_dir().is_none() {
+    if environment.status_folder().is_none() {
         eprintln!(
             "parafovea: XDG_RUNTIME_DIR is not set, so applications have no folder for their state; run this in your desktop session, which sets it"
         );

@@ -164,7 +164,24 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     printed(&profile(&["unset", "game", "chroma.mode"]));
     assert_eq!(file("apps/game.toml"), "preset = \"performance\"\n\n[chroma]\n");
 
-    printed(&profile(&["new", "sim", "flight-simulator"]));
+    let said = printed(&profile(&["unset", "other", "rates.peripheral"]));
+    assert!(said.contains("is not set for other"), "{said}");
+    assert!(!home.path().join(".config/parafovea/apps/other.toml").exists());
+
+    for (key, value) in [("audio.least_lufs", "-30"), ("gaze.offset_deg", "-1.5,0.5")] {
+        printed(&profile(&["set", "all", key, value]));
+    }
+    let said = printed(&profile(&["new", "sim", "flight-simulator"]));
+    assert!(said.contains("which no longer applies to sim"), "{said}");
+    let shown = printed(&profile(&["show", "sim"]));
+    for setting in [
+        "preset = \"performance\"",
+        "audio.least_lufs = -30.0",
+        "gaze.offset_deg = \"-1.5, 0.5\"",
+        "rates.foveal_deg = 20.0",
+    ] {
+        assert!(shown.contains(&format!("{setting}  # set in this file")), "{setting} in\n{shown}");
+    }
     assert!(complained(&profile(&["new", "sim", "proton"])).contains("already exists"));
     let listed = printed(&profile(&["list"]));
     let names: Vec<_> = listed.lines().filter(|line| !line.starts_with(' ')).collect();
@@ -172,6 +189,8 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     assert!(profile(&["validate"]).status.success());
     fs::write(home.path().join(".config/parafovea/apps/sim.toml"), "[chroma]\nmode = 1\n").unwrap();
     assert!(complained(&profile(&["validate"])).contains("sim.toml: line 2: chroma.mode = 1"));
+    let shown = complained(&profile(&["show", "sim"]));
+    assert!(shown.contains("the file has errors") && !shown.contains("changed"), "{shown}");
 }
 
 #[test]
@@ -185,6 +204,10 @@ fn completions_and_manual_have_every_command() {
         .map_while(|line| line.strip_prefix("  ")?.split(' ').next())
         .collect();
     assert!(commands.contains(&"doctor") && commands.len() >= 10, "{help}");
+    let manual = printed(&parafovea(home.path(), &["generate", "man"]));
+    for option in ["view", "fix", "system", "reset", "once", "effective"] {
+        assert!(manual.contains(&format!("\\-\\-{option}")), "--{option} in\n{manual}");
+    }
     for what in ["bash", "zsh", "fish", "man"] {
         let text = printed(&parafovea(home.path(), &["generate", what]));
         for command in &commands {
@@ -206,6 +229,33 @@ fn the_system_is_only_written_to_when_asked_for() {
         "{would}"
     );
     assert_eq!(would.lines().count(), 3, "{would}");
+}
+
+#[test]
+fn a_second_installation_is_refused() {
+    let home = TempDir::new().unwrap();
+    let names =
+        "parafovea_xrNegotiateLoaderApiLayerInterface parafovea_vkNegotiateLoaderLayerInterfaceVersion";
+    fs::write(home.path().join("built.so"), format!("\u{7f}ELF {names}")).unwrap();
+    let install = |data: &str| {
+        Command::new(env!("CARGO_BIN_EXE_parafovea"))
+            .args(["install", "--library", "built.so"])
+            .env_clear()
+            .env("HOME", home.path())
+            .env("XDG_DATA_HOME", home.path().join(data))
+            .env("XDG_DATA_DIRS", home.path().join("usr/share"))
+            .current_dir(home.path())
+            .output()
+            .unwrap()
+    };
+    printed(&install("usr/share"));
+    let refused = complained(&install(".local/share"));
+    assert!(refused.contains("already installed") && refused.contains("usr/share/vulkan"), "{refused}");
+    assert!(!home.path().join(".local").exists());
+    printed(&install("usr/share"));
+    // A Flatpak does not see the system's.
+    let flatpak = install(".var/app/com.valvesoftware.Steam/.local/share");
+    assert!(flatpak.status.success(), "{flatpak:?}");
 }
 
 #[test]

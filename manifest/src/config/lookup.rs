@@ -9,6 +9,9 @@ use crate::paths::{Environment, file_stem};
 /// The configuration for all users of the machine.
 const SYSTEM_FILE: &str = "/etc/parafovea/config.toml";
 
+/// The same file within a container of Steam, whose `/etc` is another (pressure-vessel: the system's files are below `/run/host`).
+const SYSTEM_FILE_OUTSIDE: &str = "/run/host/etc/parafovea/config.toml";
+
 /// The places where the configuration of one application may be, first choice first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Places {
@@ -20,7 +23,7 @@ pub struct Places {
 impl Places {
     /// `$PARAFOVEA_CONFIG` and nothing else, if it is set; otherwise `apps/<application name>.toml`,
     /// `apps/<executable>.toml` and `config.toml` in `$XDG_CONFIG_HOME/parafovea`, then
-    /// `/etc/parafovea/config.toml`.
+    /// `/etc/parafovea/config.toml`, in containers also of the system outside.
     ///
     /// `application` is the name that the application gives to OpenXR, once it is known; `executable` the
     /// path or name of its program. [`file_stem`] makes both fit for a file name.
@@ -41,6 +44,9 @@ impl Places {
             files.push(folder.join("config.toml"));
         }
         files.push(PathBuf::from(SYSTEM_FILE));
+        if environment.is_container() {
+            files.push(PathBuf::from(SYSTEM_FILE_OUTSIDE));
+        }
         Self { files, named: false }
     }
 
@@ -105,6 +111,10 @@ mod tests {
             ]
         );
         assert_eq!(files(false, &[], Some("My Game")), ["/etc/parafovea/config.toml"]);
+        assert_eq!(
+            files(false, &[("container", "pressure-vessel")], None),
+            ["/etc/parafovea/config.toml", "/run/host/etc/parafovea/config.toml"]
+        );
     }
 
     #[test]
@@ -151,7 +161,8 @@ mod tests {
 
     #[test]
     fn with_elevated_rights_only_the_system_file_counts() {
-        let variables = [("HOME", "/h"), ("XDG_CONFIG_HOME", "/c"), ("PARAFOVEA_CONFIG", "/p.toml")];
+        let variables =
+            [("HOME", "/h"), ("XDG_CONFIG_HOME", "/c"), ("PARAFOVEA_CONFIG", "/p.toml"), ("container", "x")];
         assert_eq!(files(true, &variables, Some("app")), ["/etc/parafovea/config.toml"]);
     }
 }

@@ -43,7 +43,7 @@ fn alsa(surroundings: &Surroundings) -> Option<Finding> {
             "the system has no ALSA library (libasound.so.2)",
             "The capture library needs it, so sound cannot be captured.",
         )
-        .advise("install it (Debian, Ubuntu: libasound2)")
+        .advise("install it (Debian 13, Ubuntu 24.04 and later: libasound2t64; earlier: libasound2)")
     })
 }
 

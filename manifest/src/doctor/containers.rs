@@ -5,7 +5,11 @@
 
 use super::layers::Layers;
 use super::{Finding, Surroundings};
+use crate::config::offers_gaze;
+use crate::install::plan_install;
 use crate::json::Half;
+use crate::paths::FLATPAK_STEAM;
+use std::path::Path;
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -20,22 +24,8 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
             .advise("run it outside Flatpak, unless the games run in the same Flatpak"),
         );
     }
-    let flatpak_steam = home.join(".var/app/com.valvesoftware.Steam");
     let has_steam = [".steam", ".local/share/Steam"].iter().any(|folder| home.join(folder).exists());
-    if flatpak_steam.exists() {
-        let data = flatpak_steam.join(".local/share");
-        let is_there = Half::BOTH.iter().all(|half| half.manifest_path(&data).is_file());
-        if !is_there {
-            findings.push(
-                Finding::warning(
-                    "flatpak-steam",
-                    "Steam is installed as a Flatpak",
-                    "Its games have their own home folder, where Parafovea is not installed.",
-                )
-                .advise(format!("XDG_DATA_HOME={} parafovea install", data.display())),
-            );
-        }
-    }
+    findings.extend(flatpak_steam(surroundings, &home.join(FLATPAK_STEAM)));
     if has_steam {
         let mut variables = vec!["PARAFOVEA=1"];
         // The first manifest is the one that counts.
@@ -60,4 +50,32 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         );
     }
     findings
+}
+
+/// Steam as a Flatpak without the layer, or with another build of it.
+fn flatpak_steam(surroundings: &Surroundings, steam: &Path) -> Option<Finding> {
+    if !steam.exists() {
+        return None;
+    }
+    let data = steam.join(".local/share");
+    let is_there = Half::BOTH.iter().all(|half| half.manifest_path(&data).is_file());
+    let differs = surroundings.shipped.as_ref().is_some_and(|shipped| {
+        plan_install(&data, shipped, offers_gaze(&surroundings.environment))
+            .is_ok_and(|steps| !steps.is_empty())
+    });
+    let (found, means) = match (is_there, differs) {
+        (true, false) => return None,
+        (true, true) => (
+            "the Flatpak of Steam has another build of Parafovea",
+            "Its games have their own home folder, which is not updated with yours.",
+        ),
+        (false, _) => (
+            "Steam is installed as a Flatpak",
+            "Its games have their own home folder, where Parafovea is not installed.",
+        ),
+    };
+    Some(Finding::warning("flatpak-steam", found, means).advise(format!(
+        "XDG_DATA_HOME={} parafovea install; so that your settings apply there: flatpak override --user --filesystem=xdg-config/parafovea:ro com.valvesoftware.Steam",
+        data.display()
+    )))
 }

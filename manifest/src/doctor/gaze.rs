@@ -2,7 +2,8 @@
 
 use super::configuration::in_force;
 use super::layers::Layers;
-use super::{Finding, Fix, Surroundings};
+use super::manifests::advise_install;
+use super::{Finding, Surroundings};
 use crate::config::Config;
 use crate::json::{EYE_GAZE_EXTENSION, Half};
 use crate::options::{GazeSource, ListenAddress};
@@ -81,15 +82,15 @@ fn offered(surroundings: &Surroundings, layers: &Layers, config: &Config) -> Opt
         let found = "games that ask for the gaze get it, and may store or send it (gaze.offer = true)";
         return Some(Finding::good("gaze-offered", found));
     }
-    Some(
+    Some(advise_install(
         Finding::warning(
             "gaze-not-listed",
             format!("gaze.offer = true, but the installed layer does not list {EYE_GAZE_EXTENSION}"),
             "Games cannot ask for the gaze.",
-        )
-        .advise("parafovea install")
-        .fixed_if(surroundings.shipped.is_some(), Fix::Install),
-    )
+        ),
+        surroundings,
+        layers,
+    ))
 }
 
 /// The port for OSC packets.

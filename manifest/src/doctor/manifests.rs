@@ -5,6 +5,7 @@ use super::{Finding, Fix, Surroundings};
 use crate::config::offers_gaze;
 use crate::install::{library_path, plan_install};
 use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
+use crate::paths::FLATPAK_HOMES;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -52,19 +53,19 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
     let ours: Vec<&Manifest> = layers.ours(half).collect();
     let name = called(half);
     let mut findings: Vec<Finding> =
-        ours.iter().filter_map(|manifest| of_manifest(surroundings, half, manifest)).collect();
+        ours.iter().filter_map(|manifest| of_manifest(surroundings, layers, half, manifest)).collect();
     match ours.as_slice() {
-        [] => findings.push(
+        [] => findings.push(advise_install(
             Finding::problem(
                 "manifest-missing",
                 format!("the {name} half is not installed"),
                 format!(
                     "The {name} loader finds no manifest for it, and the other half has no effect alone."
                 ),
-            )
-            .advise("parafovea install")
-            .fixed_if(surroundings.shipped.is_some(), Fix::Install),
-        ),
+            ),
+            surroundings,
+            layers,
+        )),
         [_] => {}
         several => {
             let paths: Vec<_> = several.iter().map(|manifest| manifest.path.display().to_string()).collect();
@@ -86,7 +87,12 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
 }
 
 /// The fault of a manifest of ours.
-fn of_manifest(surroundings: &Surroundings, half: Half, manifest: &Manifest) -> Option<Finding> {
+fn of_manifest(
+    surroundings: &Surroundings,
+    layers: &Layers,
+    half: Half,
+    manifest: &Manifest,
+) -> Option<Finding> {
     let (path, name) = (manifest.path.display(), called(half));
     let skipped = format!("The {name} loader skips it, so games run without Parafovea.");
     let layer = match &manifest.content {
@@ -118,10 +124,41 @@ fn of_manifest(surroundings: &Surroundings, half: Half, manifest: &Manifest) -> 
             .advise("move that file away, then: parafovea install"),
         );
     };
-    let is_the_users = surroundings.environment.data_home().map(|data| half.manifest_path(data));
-    let can_fix = surroundings.shipped.is_some() && is_the_users.as_ref() == Some(&manifest.path);
-    of_layer(surroundings, half, manifest, layer)
-        .map(|finding| finding.advise("parafovea install").fixed_if(can_fix, Fix::Install))
+    of_layer(surroundings, half, manifest, layer).map(|finding| advise_install(finding, surroundings, layers))
+}
+
+/// Manifests of the layer that both loaders find, outside of `data` (`$XDG_DATA_HOME`): with an installation in `data` as well, the layer would be
+/// loaded twice. None for the home of a Flatpak, which has no view of the others.
+pub fn installed_elsewhere(surroundings: &Surroundings, data: &Path) -> Vec<PathBuf> {
+    let is_flatpak = surroundings.home().is_some_and(|home| data.starts_with(home.join(FLATPAK_HOMES)));
+    if is_flatpak { Vec::new() } else { elsewhere(&Layers::find(surroundings), data) }
+}
+
+fn elsewhere(layers: &Layers, data: &Path) -> Vec<PathBuf> {
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut paths = Vec::new();
+    for half in Half::BOTH {
+        let own = real(&half.manifest_path(data));
+        let found = layers.of(half).iter().filter(|manifest| {
+            manifest.layers().iter().any(|layer| layer.name == half.layer_name())
+                && real(&manifest.path) != own
+        });
+        paths.extend(found.map(|manifest| manifest.path.clone()));
+    }
+    paths
+}
+
+/// Adds the advice to install, with its fix, unless the layer is installed outside of the user's home.
+pub(super) fn advise_install(finding: Finding, surroundings: &Surroundings, layers: &Layers) -> Finding {
+    let is_elsewhere =
+        surroundings.environment.data_home().is_some_and(|data| !elsewhere(layers, data).is_empty());
+    if is_elsewhere {
+        finding.advise(
+            "install the package of the system again, or without one: sudo parafovea install --system",
+        )
+    } else {
+        finding.advise("parafovea install").fixed_if(surroundings.shipped.is_some(), Fix::Install)
+    }
 }
 
 fn of_layer(surroundings: &Surroundings, half: Half, manifest: &Manifest, layer: &Layer) -> Option<Finding> {
@@ -178,7 +215,7 @@ fn one_library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> 
             "These are two different builds: with different interfaces, they have no effect.",
         )
     };
-    Some(finding.advise("parafovea install").fixed_if(surroundings.shipped.is_some(), Fix::Install))
+    Some(advise_install(finding, surroundings, layers))
 }
 
 /// The library of the user's installation is another than the one that came with this program.

@@ -1,6 +1,5 @@
 //! Measurements of the eye tracker that `parafovea gaze calibrate` and `recentre` request of a running application, and their result.
 
-use super::folder::folder;
 use super::request::{self, request_file};
 use crate::gaze_correction::GazeCorrection;
 use crate::paths::Environment;
@@ -40,7 +39,7 @@ pub struct AskedMeasurement(Option<PathBuf>);
 impl AskedMeasurement {
     /// Of the process `pid`, as it knows itself.
     pub fn new(environment: &Environment, pid: u32) -> Self {
-        Self(folder(environment).map(|folder| request_file(&folder, pid, KIND)))
+        Self(environment.status_folder().map(|folder| request_file(&folder, pid, KIND)))
     }
 
     /// The requested measurement and its number, above 0; `None` without one. Anything else in the file, or a file that others than

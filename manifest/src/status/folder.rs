@@ -1,4 +1,4 @@
-//! The folder with the files.
+//! The folders with the files.
 
 use super::request::request_file;
 use super::{FRESH_S, Status, correction, view, watch};
@@ -28,13 +28,13 @@ pub struct StatusFile {
 }
 
 impl StatusFile {
-    /// Makes the folder for the file of the process `pid`; `None` without `$XDG_RUNTIME_DIR`. Requests to an earlier process of that
+    /// Makes the folder for the file of the process `pid`; `None` without a folder for it. Requests to an earlier process of that
     /// number are removed.
     ///
     /// # Errors
     /// The folder cannot be made, or belongs to another user.
     pub fn new(environment: &Environment, pid: u32) -> io::Result<Option<Self>> {
-        let Some(folder) = folder(environment) else { return Ok(None) };
+        let Some(folder) = environment.status_folder() else { return Ok(None) };
         DirBuilder::new().recursive(true).mode(0o700).create(&folder)?;
         let metadata = fs::symlink_metadata(&folder)?;
         let above = folder.parent().map(fs::metadata).transpose()?;
@@ -83,16 +83,18 @@ pub type Gone = usize;
 /// Every fresh status of an application, by process, and the number of outdated ones; files that are old for long are removed.
 ///
 /// # Errors
-/// The folder exists, but cannot be read.
+/// A folder exists, but cannot be read.
 pub fn read_all(environment: &Environment, now: SystemTime) -> io::Result<(Vec<Found>, Gone)> {
-    let Some(folder) = folder(environment) else { return Ok((Vec::new(), 0)) };
-    let entries = match fs::read_dir(folder) {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((Vec::new(), 0)),
-        Err(error) => return Err(error),
-    };
     let (mut found, mut gone) = (Vec::new(), 0);
-    for path in entries.flatten().map(|entry| entry.path()) {
+    let mut paths = Vec::new();
+    for folder in environment.status_folders() {
+        match fs::read_dir(folder) {
+            Ok(entries) => paths.extend(entries.flatten().map(|entry| entry.path())),
+            Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    for path in paths {
         if path.extension().is_none_or(|extension| extension != "json") {
             continue;
         }
@@ -121,11 +123,6 @@ fn read(path: &Path, now: SystemTime) -> Option<(Status, Duration)> {
     let mut text = Vec::new();
     file.take(MAX_BYTES).read_to_end(&mut text).ok()?;
     Some((serde_json::from_slice(&text).ok()?, age))
-}
-
-/// The folder of all files.
-pub(super) fn folder(environment: &Environment) -> Option<PathBuf> {
-    Some(environment.runtime_dir()?.join("parafovea"))
 }
 
 #[cfg(test)]
@@ -171,6 +168,27 @@ mod tests {
         assert_eq!(read_all(&environment, now).unwrap().0.len(), 1);
         drop(other);
         assert_eq!(fs::read_dir(runtime.path().join("parafovea")).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_status_within_a_container_is_read_outside_and_takes_requests() {
+        let folder = TempDir::new().unwrap();
+        let of = |runtime: &str, container: &str| {
+            Environment::new(false, |name| match name {
+                "HOME" => Some(folder.path().join("home").into()),
+                "XDG_RUNTIME_DIR" => Some(folder.path().join(runtime).into()),
+                "container" => Some(container.into()),
+                _ => None,
+            })
+        };
+        let (host, game) = (of("run", ""), of("run of the container", "pressure-vessel"));
+        let file = StatusFile::new(&game, 7).unwrap().unwrap();
+        file.write(&status(7)).unwrap();
+        assert_eq!(read_all(&host, SystemTime::now()).unwrap().0.len(), 1);
+        view::ask_view(&host, 7, Some(crate::options::DebugView::Gaze)).unwrap();
+        assert_eq!(view::AskedView::new(&game, 7).look(), Some(crate::options::DebugView::Gaze));
+        drop(file);
+        assert_eq!(read_all(&host, SystemTime::now()).unwrap().0, []);
     }
 
     #[test]

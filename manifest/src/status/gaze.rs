@@ -10,7 +10,7 @@ pub const ASSUMED_DELAY_MS: u32 = 50;
 impl fmt::Display for Gaze {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let source = match (self.source.as_str(), self.holder.as_str()) {
-            ("centre", _) => return f.write_str("fixed at the centre of the view"),
+            ("centre", _) => return f.write_str("fixed around the axis of each lens"),
             ("auto", "centre") => {
                 f.write_str("no eye tracker: fixed around the axis of each lens")?;
                 return f.write_str(&self.packets());
@@ -104,7 +104,7 @@ mod tests {
             (fresh, "OSC (VRChat): valid, 120 Hz, 58 ms old at display time"),
             (gaze("auto", "eyes", Osc::default()), "eye tracker: none"),
             (gaze("file", "file", Osc::default()), "file: none"),
-            (gaze("centre", "centre", Osc::default()), "fixed at the centre of the view"),
+            (gaze("centre", "centre", Osc::default()), "fixed around the axis of each lens"),
             (gaze("osc", "osc", at("", 0)), "OSC: none; no OSC packets at 127.0.0.1:9020"),
             (
                 gaze("auto", "centre", at("address in use", 0)),

@@ -1,6 +1,5 @@
 //! Requests to a running application: small files beside its status, in the folder that is its user's alone.
 
-use super::folder::folder;
 use crate::paths::Environment;
 use crate::private_file;
 use std::fs::{self, OpenOptions};
@@ -35,8 +34,10 @@ pub(super) fn write(
     kind: &str,
     request: Option<&str>,
 ) -> io::Result<()> {
-    let folder = folder(environment).ok_or(io::ErrorKind::NotFound)?;
-    let path = request_file(&folder, pid, kind);
+    let folders = environment.status_folders();
+    let has_status = |folder: &&PathBuf| folder.join(format!("{pid}.json")).is_file();
+    let folder = folders.iter().find(has_status).or(folders.first()).ok_or(io::ErrorKind::NotFound)?;
+    let path = request_file(folder, pid, kind);
     let Some(request) = request else {
         return match fs::remove_file(path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),

@@ -3,7 +3,6 @@
 //! It is a file with the view's name beside the status, in the folder that is its user's alone, and goes with the session: the
 //! configuration stays as the user wrote it.
 
-use super::folder::folder;
 use super::request::{self, request_file};
 use crate::options::DebugView;
 use crate::paths::Environment;
@@ -23,7 +22,7 @@ pub struct AskedView(Option<PathBuf>);
 impl AskedView {
     /// Of the process `pid`, as it knows itself.
     pub fn new(environment: &Environment, pid: u32) -> Self {
-        Self(folder(environment).map(|folder| request_file(&folder, pid, KIND)))
+        Self(environment.status_folder().map(|folder| request_file(&folder, pid, KIND)))
     }
 
     /// The requested view; `None` for the configuration's. Anything but the name of a view, in a file that only this folder's owner

@@ -2,7 +2,6 @@
 //!
 //! It is an empty file beside the status, renewed with each look at that, and lapses by its age.
 
-use super::folder::folder;
 use super::request::{self, request_file};
 use crate::paths::Environment;
 use std::fs;
@@ -23,7 +22,7 @@ pub struct GazeWatch(Option<PathBuf>);
 impl GazeWatch {
     /// Of the process `pid`, as it knows itself.
     pub fn new(environment: &Environment, pid: u32) -> Self {
-        Self(folder(environment).map(|folder| request_file(&folder, pid, KIND)))
+        Self(environment.status_folder().map(|folder| request_file(&folder, pid, KIND)))
     }
 
     /// Whether the gaze is watched at `now`. Never waits.

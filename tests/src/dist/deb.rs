@@ -81,7 +81,7 @@ fn control(parts: &Parts, files: &[Entry]) -> String {
          Maintainer: Parafovea contributors <contributors@parafovea.invalid>\n\
          Installed-Size: {kibibytes}\n\
          Depends: libc6 (>= {major}.{minor}), libgcc-s1, libvulkan1\n\
-         Recommends: libasound2 | libasound2t64\n\
+         Recommends: libasound2t64 | libasound2\n\
          Suggests: libopenxr-loader1\n\
          Section: graphics\n\
          Priority: optional\n\

@@ -33,7 +33,10 @@ case ${1-} in
 esac
 
 for file in $files; do
-    [ -e "$here/$file" ] || continue
+    if [ ! -e "$here/$file" ]; then
+        rm -f -- "$prefix/$file"
+        continue
+    fi
     mkdir -p -- "$(dirname -- "$prefix/$file")"
     # By way of another name: a program that runs keeps the file that it has.
     cp -- "$here/$file" "$prefix/$file.new"
@@ -44,4 +47,5 @@ case :$PATH: in
 *":$prefix/bin:"*) command=parafovea ;;
 *) command=$prefix/bin/parafovea ;;
 esac
-echo "Now: $command doctor, which says whether all is well, and $command run -- GAME"
+echo "Next, check the installation: $command doctor"
+echo "To play: $command run -- GAME"

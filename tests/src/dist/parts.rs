@@ -56,6 +56,36 @@ const GUIDE: [&str; 7] = [
     "pictures/rates.png",
 ];
 
+/// Texts of the repository's top folder that are packed, with the links that lead to packed files.
+const REPOSITORY: [&str; 3] = ["README.md", "CHANGELOG.md", "SECURITY.md"];
+
+/// Markdown with its links to packed files, and to the web; other links become their text, and other pictures go.
+fn with_packed_links(text: &str) -> String {
+    let mut rest = text;
+    let mut packed = String::new();
+    while let Some((before, label, target, after)) = next_link(rest) {
+        let name = target.rsplit('/').next().unwrap_or(target);
+        let (before, is_picture) = before.strip_suffix('!').map_or((before, false), |before| (before, true));
+        packed += before;
+        if target.starts_with("https://") || GUIDE.contains(&name) || REPOSITORY.contains(&name) {
+            let target = if target.starts_with("https://") { target } else { name };
+            packed += &format!("{}[{label}]({target})", if is_picture { "!" } else { "" });
+        } else if !is_picture {
+            packed += label;
+        }
+        rest = after;
+    }
+    packed + rest
+}
+
+/// The next link: the text before it, its label and target, and the text behind it.
+fn next_link(text: &str) -> Option<(&str, &str, &str, &str)> {
+    let (head, tail) = text.split_once("](")?;
+    let (before, label) = head.rsplit_once('[')?;
+    let (target, after) = tail.split_once(')')?;
+    Some((before, label, target, after))
+}
+
 impl Parts {
     /// Takes cargo's build from `built` (`target/release`), and the texts of `repository`.
     ///
@@ -80,11 +110,15 @@ impl Parts {
         for (what, text) in GENERATED.into_iter().zip(&mut parts.generated) {
             *text = generate(&command, what)?;
         }
-        for name in ["README.md", "LICENSE-APACHE", "LICENSE-MIT"] {
+        for name in ["LICENSE-APACHE", "LICENSE-MIT"] {
             parts.texts.push((name, read(&repository.join(name))?));
         }
         for name in GUIDE {
             parts.texts.push((name, read(&repository.join("manifest").join(name))?));
+        }
+        for name in REPOSITORY {
+            let text = read(&repository.join(name))?;
+            parts.texts.push((name, with_packed_links(&String::from_utf8_lossy(&text)).into_bytes()));
         }
         let programs = [("parafovea", &parts.command), ("parafovea-probe", &parts.probe)];
         let libraries = parts.libraries.iter().map(|(name, bytes)| (*name, bytes));
@@ -134,4 +168,19 @@ fn generate(command: &Path, what: &'static str) -> Result<Vec<u8>, DistError> {
         return Err(DistError::Generate { what, output });
     }
     Ok(output.stdout)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_lead_to_packed_files_or_are_text() {
+        let text = "See [the guide](manifest/GUIDE.md), [a\ntable](tests/a.md) and [the web](https://e.org/a).\n![x](tests/x.png)\nEnd";
+        assert_eq!(
+            with_packed_links(text),
+            "See [the guide](GUIDE.md), a\ntable and [the web](https://e.org/a).\n\nEnd"
+        );
+        assert_eq!(with_packed_links("a ](b"), "a ](b");
+    }
 }

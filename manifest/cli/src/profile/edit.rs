@@ -16,7 +16,7 @@ pub enum Change<'a> {
 #[derive(Debug, thiserror::Error)]
 pub enum EditError {
     /// It is not TOML.
-    #[error("is not valid TOML and stays unchanged; to see the error: parafovea config validate")]
+    #[error("is not valid TOML and stays unchanged; to see the error: parafovea profile validate")]
     Syntax(#[from] TomlError),
     /// The name of a section has a value.
     #[error("{0} is not a section in this file")]

@@ -49,6 +49,15 @@ impl Files {
         places.find(|file| fs::symlink_metadata(file).is_ok()).map(Path::to_owned)
     }
 
+    /// The end of a sentence about a file that was copied for an application: whether it still applies to that.
+    pub fn applies(&self, from: &Path, application: &str) -> String {
+        if self.environment.config_file() == Some(from) {
+            "which still applies wherever PARAFOVEA_CONFIG names it".to_owned()
+        } else {
+            format!("which no longer applies to {application}")
+        }
+    }
+
     /// Existing files: of single applications by name, then of all.
     pub fn existing(&self) -> Vec<Found> {
         let apps = self.folder().map(|folder| folder.join("apps"));

@@ -454,3 +454,34 @@ fn a_gaze_that_is_given_to_games_is_told_with_its_source() {
     answer(&mut machine).tracks_eyes = Some(false);
     assert_eq!(told(&machine), ["gaze-offered"]);
 }
+
+#[test]
+fn an_installation_of_the_system_is_not_repaired_in_the_home() {
+    let mut machine = Machine::new();
+    for half in Half::BOTH {
+        let system = half.manifest_path(&machine.path("usr/share"));
+        fs::create_dir_all(system.parent().unwrap()).unwrap();
+        fs::rename(machine.manifest(half), system).unwrap();
+    }
+    machine.put(CONFIG, "gaze.offer = true\n");
+    answer(&mut machine).tracks_eyes = Some(false);
+    let fixes = |machine: &Machine| -> Vec<(&str, bool)> {
+        let findings = machine.findings();
+        findings.iter().map(|finding| (finding.id, finding.fix.is_some())).collect()
+    };
+    assert_eq!(fixes(&machine), [("gaze-not-listed", false)]);
+    machine.remove(&Half::Vulkan.manifest_path(&machine.path("usr/share")));
+    assert!(fixes(&machine).contains(&("manifest-missing", false)), "{:?}", fixes(&machine));
+}
+
+#[test]
+fn an_outdated_layer_in_steams_flatpak_is_found() {
+    let machine = Machine::new();
+    let data = machine.path("home/.var/app/com.valvesoftware.Steam/.local/share");
+    for step in plan_install(&data, &machine.path("build/libparafovea.so"), false).unwrap() {
+        step.apply().unwrap();
+    }
+    assert_eq!(machine.ids(), [""; 0]);
+    write(&library_path(&data), &library("0"));
+    assert_eq!(machine.ids(), ["flatpak-steam"]);
+}
