@@ -350,7 +350,7 @@ options! {
         phase: ReusePhase = ReusePhase::Staggered;
         /// Permission to update regions less than 30 times per second, where flicker is most visible; always given with mode = "paper".
         below_30_hz: bool = false;
-        /// Whether tiles with visible changes are rendered in every frame, as long as this takes less time than re-use saves; always off with mode = "paper".
+        /// Rendering of tiles with visible changes in every frame, as long as this takes less time than re-use saves; always off with mode = "paper".
         refresh: bool = true;
     }
 

@@ -196,7 +196,7 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
     if let Some(from) = from {
         let _ = writeln!(
             text,
-            "This new file starts as a copy of {}, {}.",
+            "This new file starts as a copy of {}{}.",
             from.display(),
             files.applies(&from, application)
         );
@@ -222,7 +222,7 @@ fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> 
                 .map_err(|error| Failure::Edit(path.clone(), error))?;
         }
         let applies = files.applies(&from, application);
-        let _ = writeln!(outcome, "Its other settings are those of {}, {applies}.", from.display());
+        let _ = writeln!(outcome, "Its other settings are those of {}{applies}.", from.display());
     }
     write(&path, text)?;
     Ok(outcome)

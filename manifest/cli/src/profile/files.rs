@@ -49,12 +49,12 @@ impl Files {
         places.find(|file| fs::symlink_metadata(file).is_ok()).map(Path::to_owned)
     }
 
-    /// The end of a sentence about a file that was copied for an application: whether it still applies to that.
+    /// The rest of a sentence about a file that was copied for an application: whether it still applies to that.
     pub fn applies(&self, from: &Path, application: &str) -> String {
         if self.environment.config_file() == Some(from) {
-            "which still applies wherever PARAFOVEA_CONFIG names it".to_owned()
+            "; PARAFOVEA_CONFIG names that file, so it still applies".to_owned()
         } else {
-            format!("which no longer applies to {application}")
+            format!(", which no longer applies to {application}")
         }
     }
 

@@ -469,7 +469,7 @@ fn an_installation_of_the_system_is_not_repaired_in_the_home() {
         let findings = machine.findings();
         findings.iter().map(|finding| (finding.id, finding.fix.is_some())).collect()
     };
-    assert_eq!(fixes(&machine), [("gaze-not-listed", false)]);
+    assert_eq!(fixes(&machine), [("no-eye-tracker", false), ("gaze-not-listed", false)]);
     machine.remove(&Half::Vulkan.manifest_path(&machine.path("usr/share")));
     assert!(fixes(&machine).contains(&("manifest-missing", false)), "{:?}", fixes(&machine));
 }
