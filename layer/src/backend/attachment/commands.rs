@@ -1,6 +1,6 @@
 //! Rates that are set by commands: the application's rates, and the rates of pipelines that are linked from parts.
 
-use super::pipeline::{PipelineRate, is_default};
+use super::pipeline::{PipelineRate, is_default, without_attachment};
 use crate::vk::table::Table;
 use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
 
@@ -47,7 +47,7 @@ impl SetRates {
     /// A graphics pipeline of this rate is bound: the rate to set then, if any.
     pub fn bound(&self, buffer: vk::CommandBuffer, pipeline: PipelineRate) -> Option<SetRate> {
         match pipeline {
-            PipelineRate::Fixed => None,
+            PipelineRate::Fixed | PipelineRate::NeedsEveryPixel => None,
             PipelineRate::AtBind(combiner) => Some(full_rate(combiner)),
             PipelineRate::Application { every_pixel } => self.pixels_needed(buffer, every_pixel),
         }
@@ -72,10 +72,14 @@ impl SetRates {
         Some(self.obeying(recorded.rate?, every_pixel))
     }
 
-    /// The rate to set where the application sets `rate`: if that is the default, the attachment is obeyed, unless
-    /// every pixel must be shaded.
+    /// The rate to set where the application sets `rate`: if that is the default, the attachment is obeyed. If every pixel must be shaded,
+    /// the attachment is ignored, even if the application's own rate combines with it: then that counts on 1x1.
     fn obeying(&self, rate: SetRate, every_pixel: bool) -> SetRate {
-        if every_pixel || !is_default(rate.size, rate.combiners) {
+        if every_pixel {
+            let (size, combiners) = without_attachment(rate.size, rate.combiners);
+            return SetRate { size, combiners };
+        }
+        if !is_default(rate.size, rate.combiners) {
             return rate;
         }
         SetRate { combiners: [Combiner::KEEP, self.combiner], ..rate }
@@ -129,6 +133,30 @@ mod tests {
         assert_eq!(rates.bound(buffer(1), other), None);
         assert_eq!(rates.bound(buffer(1), careful), Some(KEEPS));
         assert_eq!(rates.bound(buffer(2), other), None);
+    }
+
+    #[test]
+    fn every_pixel_is_shaded_whatever_the_application_combines() {
+        let size = vk::Extent2D { width: 4, height: 4 };
+        let own = |combiner| SetRate { size, combiners: [Combiner::KEEP, combiner] };
+        for (combiner, expected) in [
+            (Combiner::REPLACE, KEEPS),
+            (Combiner::MIN, KEEPS),
+            (Combiner::MAX, own(Combiner::KEEP)),
+            (Combiner::KEEP, own(Combiner::KEEP)),
+        ] {
+            let rates = by_application();
+            assert_eq!(rates.set(buffer(1), own(combiner)), own(combiner));
+            assert_eq!(
+                rates.bound(buffer(1), PipelineRate::Application { every_pixel: true }),
+                Some(expected)
+            );
+            assert_eq!(rates.set(buffer(1), own(combiner)), expected);
+            assert_eq!(
+                rates.bound(buffer(1), PipelineRate::Application { every_pixel: false }),
+                Some(own(combiner))
+            );
+        }
     }
 
     #[test]

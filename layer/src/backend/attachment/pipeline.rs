@@ -11,6 +11,8 @@ use ash::vk;
 pub enum PipelineRate {
     /// In the pipeline itself, or in the libraries that it is linked from.
     Fixed,
+    /// None, as a library without shading has none; a pipeline that is linked from it must shade every pixel.
+    NeedsEveryPixel,
     /// To be set when the pipeline is bound, to 1x1 with this second combiner: the parts of a linked pipeline must have
     /// the same rate, and the one that knows the fragment shader is not the only one that has a rate.
     AtBind(vk::FragmentShadingRateCombinerOpKHR),
@@ -46,7 +48,15 @@ pub unsafe fn with_rates<'c>(
     let mut amended = vk::GraphicsPipelineCreateInfo { flags, p_next, ..*info };
     let inherited = libraries.iter().filter_map(|&library| linked(library)).reduce(more_careful);
     if !own.intersects(SHADING) {
-        return (amended, inherited.unwrap_or(PipelineRate::Fixed));
+        // SAFETY: as above; multisample state is of this part.
+        let needs_every_pixel = own.contains(Parts::FRAGMENT_OUTPUT_INTERFACE)
+            && unsafe {
+                info.p_multisample_state
+                    .as_ref()
+                    .is_some_and(|state| is_too_fine(state, &capabilities.limits))
+            };
+        let rate = if needs_every_pixel { PipelineRate::NeedsEveryPixel } else { PipelineRate::Fixed };
+        return (amended, merged(inherited, rate));
     }
     // SAFETY: as above; state of its own parts is valid.
     let (every_pixel, sets_rates, is_fixed) = unsafe {
@@ -58,11 +68,17 @@ pub unsafe fn with_rates<'c>(
         return (amended, merged(inherited, PipelineRate::Application { every_pixel }));
     }
     if is_fixed {
+        // The parts of a linked pipeline must have the same state, so only a whole pipeline is amended.
+        if every_pixel && own.contains(SHADING) {
+            // SAFETY: the chain is valid, as above.
+            amended.p_next = unsafe { without_attachment_rate(amended.p_next, copies) };
+        }
         return (amended, merged(inherited, PipelineRate::Fixed));
     }
     let combiner =
         if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { capabilities.combiner() };
-    if own.contains(SHADING) {
+    // A library without output interface may be linked with one that needs every pixel.
+    if own.contains(SHADING | Parts::FRAGMENT_OUTPUT_INTERFACE) {
         if !every_pixel {
             // SAFETY: the amended chain is as valid as the application's.
             amended.p_next = unsafe { with_combiner(amended.p_next, combiner, copies) };
@@ -80,8 +96,15 @@ fn merged(inherited: Option<PipelineRate>, own: PipelineRate) -> PipelineRate {
 
 /// The rate of a pipeline from two parts: KEEP wins over other combiners, and a dynamic rate over a fixed one.
 fn more_careful(some: PipelineRate, other: PipelineRate) -> PipelineRate {
-    use PipelineRate::{Application, AtBind, Fixed};
+    use PipelineRate::{Application, AtBind, Fixed, NeedsEveryPixel};
     match (some, other) {
+        (NeedsEveryPixel, NeedsEveryPixel | Fixed) | (Fixed, NeedsEveryPixel) => NeedsEveryPixel,
+        (NeedsEveryPixel, AtBind(_)) | (AtBind(_), NeedsEveryPixel) => {
+            AtBind(vk::FragmentShadingRateCombinerOpKHR::KEEP)
+        }
+        (NeedsEveryPixel, Application { .. }) | (Application { .. }, NeedsEveryPixel) => {
+            Application { every_pixel: true }
+        }
         (Application { every_pixel: a }, Application { every_pixel: b }) => {
             Application { every_pixel: a || b }
         }
@@ -139,6 +162,42 @@ unsafe fn with_combiner(
             ..Default::default()
         };
         copies.one(rate).cast_const().cast()
+    }
+}
+
+/// The chain with the application's rate, except for the attachment's: see [`without_attachment`].
+///
+/// # Safety
+///
+/// As for [`with_rates`].
+unsafe fn without_attachment_rate(
+    p_next: *const std::ffi::c_void,
+    copies: &mut Copies<'_>,
+) -> *const std::ffi::c_void {
+    type Rate<'a> = vk::PipelineFragmentShadingRateStateCreateInfoKHR<'a>;
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    unsafe {
+        match find::<Rate<'_>>(p_next) {
+            None => p_next,
+            Some(_) => copies.amend::<Rate<'_>>(p_next, |rate| {
+                (rate.fragment_size, rate.combiner_ops) =
+                    without_attachment(rate.fragment_size, rate.combiner_ops);
+            }),
+        }
+    }
+}
+
+/// The rate with the same effect in passes without attachment, where the attachment's rate counts as 1x1, and with that effect in all other passes.
+///
+/// Source: Vulkan specification, "Combining the Fragment Shading Rates".
+pub fn without_attachment(
+    size: vk::Extent2D,
+    combiners: [vk::FragmentShadingRateCombinerOpKHR; 2],
+) -> (vk::Extent2D, [vk::FragmentShadingRateCombinerOpKHR; 2]) {
+    use vk::FragmentShadingRateCombinerOpKHR as Combiner;
+    match combiners[1] {
+        Combiner::REPLACE | Combiner::MIN => (vk::Extent2D { width: 1, height: 1 }, [Combiner::KEEP; 2]),
+        _ => (size, [combiners[0], Combiner::KEEP]),
     }
 }
 

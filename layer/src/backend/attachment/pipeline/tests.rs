@@ -192,7 +192,8 @@ fn libraries_agree_on_a_rate_that_is_set_when_bound() {
         assert!(outcome.flagged, "{parts:?}");
         assert_eq!((outcome.state, &outcome.dynamic[..], outcome.rate), (None, dynamic, rate), "{parts:?}");
     }
-    assert_eq!(part(SHADING, Effects::default()).state, OBEYS, "both in one agree by themselves");
+    let all = SHADING | Parts::FRAGMENT_OUTPUT_INTERFACE;
+    assert_eq!(part(all, Effects::default()).state, OBEYS, "all in one agree by themselves");
 }
 
 #[test]
@@ -217,4 +218,55 @@ fn a_linked_pipeline_has_the_more_careful_rate_of_its_parts() {
     assert_eq!(whole(&[2, 1]), rates[2]);
     assert_eq!(whole(&[1, 3]), rates[3]);
     assert_eq!(whole(&[9]), PipelineRate::Fixed, "not known here");
+}
+
+/// Godot chains a rate of 4x4 that the attachment replaces to each pipeline.
+#[test]
+fn a_rate_that_the_attachment_replaces_is_kept_unless_every_pixel_counts() {
+    let stages = fragment_stage();
+    let size = vk::Extent2D { width: 4, height: 4 };
+    let none = Effects::default();
+    for (combiner, careful) in [
+        (Combiner::REPLACE, ([1, 1], [Combiner::KEEP; 2])),
+        (Combiner::MIN, ([1, 1], [Combiner::KEEP; 2])),
+        (Combiner::MAX, ([4, 4], [Combiner::KEEP; 2])),
+    ] {
+        let mut own = Rate::default().fragment_size(size).combiner_ops([Combiner::KEEP, combiner]);
+        let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).push_next(&mut own);
+        assert_eq!(outcome(&info, none).state, Some(([4, 4], [Combiner::KEEP, combiner])));
+        let discards = outcome(&info, Effects { discards: true, ..none });
+        assert_eq!((discards.state, discards.rate), (Some(careful), PipelineRate::Fixed), "{combiner:?}");
+    }
+}
+
+/// DXVK has alpha to coverage in libraries of the output interface.
+#[test]
+fn a_library_of_the_output_may_need_every_pixel() {
+    type Kind<'a> = vk::GraphicsPipelineLibraryCreateInfoEXT<'a>;
+    use vk::GraphicsPipelineLibraryFlagsEXT as Flags;
+    let one =
+        vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_4);
+    let of = |flags, state: &vk::PipelineMultisampleStateCreateInfo<'_>| {
+        let stages = fragment_stage();
+        let mut kind = Kind::default().flags(flags);
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .flags(vk::PipelineCreateFlags::LIBRARY_KHR)
+            .stages(&stages)
+            .multisample_state(state)
+            .push_next(&mut kind);
+        outcome(&info, Effects::default())
+    };
+    let plain = of(Flags::FRAGMENT_OUTPUT_INTERFACE, &one).rate;
+    let coverage = of(Flags::FRAGMENT_OUTPUT_INTERFACE, &one.alpha_to_coverage_enable(true)).rate;
+    assert_eq!((plain, coverage), (PipelineRate::Fixed, PipelineRate::NeedsEveryPixel));
+    let both = of(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER, &one);
+    assert_eq!(both.rate, PipelineRate::AtBind(Combiner::MAX), "linked with an output interface later");
+    for (output, expected) in [(plain, Combiner::MAX), (coverage, Combiner::KEEP)] {
+        let parts = [vk::Pipeline::from_raw(1), vk::Pipeline::from_raw(2)];
+        let mut library = vk::PipelineLibraryCreateInfoKHR::default().libraries(&parts);
+        let info = vk::GraphicsPipelineCreateInfo::default().push_next(&mut library);
+        let linked =
+            linked(&info, Effects::default(), |part| Some(if part == parts[0] { both.rate } else { output }));
+        assert_eq!(linked.rate, PipelineRate::AtBind(expected));
+    }
 }
