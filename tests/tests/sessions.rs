@@ -3,6 +3,7 @@
 use parafovea_test_layers::FaultReport;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_zoo::WINDOW;
 use parafovea_zoo::cases::life::Life;
 use parafovea_zoo::cases::report::Report;
 
@@ -51,4 +52,26 @@ fn loaders_may_be_closed_and_opened_again() {
         let [off, on] = [&off, &on].map(|outcome| outcome.submitted(view, 6).unwrap());
         assert!(off != on, "view {view} of the last life is as without the layer");
     }
+}
+
+/// An application goes on in a window when its session has ended, with the pass that had a mask.
+#[test]
+fn a_window_after_the_session_is_at_full_rate() {
+    const RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
+    const FRAMES: u64 = 24;
+    let frames = FRAMES.to_string();
+    let arguments = ["--style", "offscreen-tonemap", "--frames", &frames, "--window-frames", "5"];
+    let application = Application::ours("parafovea-zoo", &arguments).unwrap();
+    let run = Run::new(&application, &Scenario::new(FRAMES).saving(&[FRAMES - 1])).validated();
+    let [off, on] =
+        [run.clone(), run.on(RINGS)].map(|run| run.finish().unwrap().expect_frames(FRAMES).unwrap());
+    let window = |outcome: &Outcome| {
+        let line = outcome.output.lines().find_map(|line| line.strip_prefix(WINDOW).map(str::to_owned));
+        line.unwrap_or_else(|| panic!("{}", outcome.output))
+    };
+    let [shown_off, shown_on] = [&off, &on].map(|outcome| outcome.submitted(0, FRAMES - 1).unwrap());
+    assert!(shown_off != shown_on, "the session had no mask\n{}", on.log);
+    assert_eq!(window(&off), window(&on), "{}", on.log);
+    let new = on.findings.beyond(&off.findings);
+    assert!(new.is_empty(), "{new:#?}");
 }

@@ -160,7 +160,10 @@ impl Armed {
     }
 
     /// No session is bound to the device any more.
-    pub fn session_ended(&self) {
+    pub fn sessions_ended(&self) {
+        // Passes of the application get no rates from now on, and maps become 1x1 with the next pass to their images.
+        self.frame.set_on(false);
+        self.frame.end_unlearned(&self.objects);
         self.perception.forget();
         if let Some(functions) = self.functions() {
             self.rings.all().iter().for_each(|ring| ring.poll(functions));

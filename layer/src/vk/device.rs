@@ -8,7 +8,7 @@ use crate::backend::mask::Masks;
 use crate::registry::Registry;
 use ash::vk;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// One live device.
 pub struct Device {
@@ -20,7 +20,8 @@ pub struct Device {
     pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
     /// Whether the OpenXR half finds it, if only to learn that it is inert.
     pub is_linked: bool,
-    active: AtomicBool,
+    /// Number of OpenXR sessions that are bound to it.
+    sessions: AtomicU32,
 }
 
 impl Device {
@@ -32,15 +33,25 @@ impl Device {
         get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
         is_linked: bool,
     ) -> Arc<Self> {
-        let active = AtomicBool::new(false);
-        Arc::new(Self { armed, next, hooked, get_device_proc_addr, is_linked, active })
+        let sessions = AtomicU32::new(0);
+        Arc::new(Self { armed, next, hooked, get_device_proc_addr, is_linked, sessions })
     }
 
-    /// Marks the device active (an OpenXR session is bound to it) or armed again.
-    pub fn set_active(&self, active: bool) {
-        if self.active.swap(active, Ordering::Relaxed) != active {
-            tracing::info!("Vulkan device {}", if active { "active" } else { "idle" });
+    /// An OpenXR session is bound to the device: it is active.
+    pub fn bind_session(&self) {
+        if self.sessions.fetch_add(1, Ordering::Relaxed) == 0 {
+            tracing::info!("Vulkan device active");
         }
+    }
+
+    /// A session is bound to it no more. Returns whether none is now.
+    pub fn unbind_session(&self) -> bool {
+        let left = |sessions: u32| sessions.checked_sub(1);
+        let is_last = self.sessions.fetch_update(Ordering::Relaxed, Ordering::Relaxed, left) == Ok(1);
+        if is_last {
+            tracing::info!("Vulkan device idle");
+        }
+        is_last
     }
 
     /// Its rate attachments; `None` without any.
@@ -55,7 +66,7 @@ impl Device {
 
     /// Whether an OpenXR session is bound to the device.
     pub fn is_active(&self) -> bool {
-        self.active.load(Ordering::Relaxed)
+        self.sessions.load(Ordering::Relaxed) > 0
     }
 }
 

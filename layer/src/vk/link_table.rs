@@ -79,9 +79,10 @@ unsafe extern "C" fn set_active(device: vk::Device, active: u32) {
         || (),
         |_| unsafe {
             if let Some(device) = device::of(device) {
-                device.set_active(active != 0);
-                if let (0, Some(armed)) = (active, &device.armed) {
-                    armed.session_ended();
+                if active != 0 {
+                    device.bind_session();
+                } else if let (true, Some(armed)) = (device.unbind_session(), &device.armed) {
+                    armed.sessions_ended();
                 }
             }
         },

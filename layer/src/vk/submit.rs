@@ -95,7 +95,8 @@ unsafe fn prepare(
     buffers: impl Iterator<Item = vk::CommandBuffer>,
 ) {
     // Submits of the runtime or of the layer do not belong to the application's frame.
-    let is_followed = is_active && !runtime_section::in_runtime_section();
+    let is_applications = !runtime_section::in_runtime_section();
+    let is_followed = is_active && is_applications;
     if !is_followed && armed.backend.is_none() {
         return;
     }
@@ -117,16 +118,20 @@ unsafe fn prepare(
             if !recorded.layouts.is_empty() {
                 armed.layouts.submitted(armed.objects.queue(queue), &recorded.layouts);
             }
-            if armed.follows_passes() {
-                recognise_passes(armed, queue, &recorded, &mut followed);
-            }
+        }
+        // Maps that are still coarse after the last session become 1x1.
+        let is_left = || {
+            is_applications && recorded.candidates.iter().any(|candidate| candidate.content().shows_scene())
+        };
+        if armed.follows_passes() && (is_followed || is_left()) {
+            recognise_passes(armed, queue, &recorded, &mut followed);
         }
         for candidate in &recorded.candidates {
             add(&mut touched, candidate);
         }
     }
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
-    unsafe { update(armed, is_followed, queue, touched) };
+    unsafe { update(armed, (is_followed, is_applications), queue, touched) };
     if followed.iter().any(|candidate| candidate.content().leaves_out()) {
         let mut log = armed.frame.log();
         for candidate in &followed {
@@ -142,12 +147,18 @@ fn add(to: &mut Outdated, candidate: &Arc<Candidate>) {
     }
 }
 
-/// Brings outdated maps of candidates up to date; in submits that are not followed, only maps without content.
+/// Brings outdated maps of candidates up to date; in submits of the application that are not followed, only maps that become 1x1, and in those
+/// of the runtime only maps without content.
 ///
 /// # Safety
 ///
 /// As for [`prepare`].
-unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched: Outdated) {
+unsafe fn update(
+    armed: &Armed,
+    (is_followed, is_applications): (bool, bool),
+    queue: vk::Queue,
+    mut touched: Outdated,
+) {
     let shows_scene = || touched.iter().any(|candidate| candidate.content().shows_scene());
     let deciding =
         if is_followed && shows_scene() { armed.perception.deciding(&armed.frame, queue) } else { None };
@@ -156,7 +167,7 @@ unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched
         candidate.map.staging_len() > 0
             && match candidate.content().need(plan) {
                 Need::None => false,
-                Need::Upload => is_followed,
+                Need::Upload => is_followed || (is_applications && !candidate.content().shows_scene()),
                 Need::Initialise => true,
             }
     });

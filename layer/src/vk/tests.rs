@@ -269,10 +269,11 @@ fn active_and_armed_again() {
     // SAFETY: the device is live.
     let is_active = || unsafe { device::of(device) }.unwrap().is_active();
     assert!(!is_active());
-    for active in [1, 0, 1] {
+    for (active, expected) in [(1, true), (0, false), (1, true), (1, true), (0, true), (0, false), (0, false)]
+    {
         // SAFETY: the device is live.
         unsafe { (table.set_active)(device, active) };
-        assert_eq!(is_active(), active == 1);
+        assert_eq!(is_active(), expected, "two sessions at once, and no more ends than begins");
     }
     destroy_device(device);
     destroy_instance(instance);

@@ -16,6 +16,8 @@ functions! {
 
     c"xrCreateSession" create_session: CreateSession => session::create;
     c"xrDestroySession" destroy_session: DestroySession => session::destroy;
+    c"xrBeginSession" begin_session: BeginSession => session::begin_session;
+    c"xrEndSession" end_session: EndSession => session::end_session;
 
     c"xrCreateSwapchain" create_swapchain: CreateSwapchain => swapchain::create;
     c"xrDestroySwapchain" destroy_swapchain: DestroySwapchain => swapchain::destroy;

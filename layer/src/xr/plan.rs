@@ -60,6 +60,8 @@ pub struct SessionPlan {
     /// Since when recognition is quiet.
     quiet: Mutex<Quiet>,
     has_looked: AtomicBool,
+    /// Whether the session runs, for all that is known: until xrEndSession, and again from xrBeginSession on.
+    is_running: AtomicBool,
     /// The ignored frames.
     pub sleep: Sleep,
     /// Whether passes read pictures of earlier frames.
@@ -91,6 +93,7 @@ impl SessionPlan {
             frame: Mutex::new(Frame { config, time: None, is_located: false, later: None }),
             quiet: Mutex::default(),
             has_looked: AtomicBool::new(false),
+            is_running: AtomicBool::new(true),
             sleep: Sleep::default(),
             feedback: Mutex::default(),
         }
@@ -180,6 +183,13 @@ impl SessionPlan {
         self.thread.work_in_progress().has_failed()
     }
 
+    /// The session runs from now on, or no more: without frames there is no newer plan, so passes get no rates.
+    pub fn set_running(&self, active: &Active, is_running: bool) {
+        self.is_running.store(is_running, Ordering::Relaxed);
+        self.sleep.wake();
+        self.notify_settings(active, &self.config());
+    }
+
     /// Sends the Vulkan half the settings of the configuration and of the gates if they are new.
     pub fn notify_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {
@@ -187,8 +197,9 @@ impl SessionPlan {
             benefit.set_mode(self.gate_modes(config));
             (benefit.is_on(), benefit.wants_costs())
         };
-        let techniques = if self.has_failed() { Techniques::default() } else { pays };
-        let wanted = Wanted::new(config, techniques, wants_costs);
+        let is_running = self.is_running.load(Ordering::Relaxed);
+        let techniques = if self.has_failed() || !is_running { Techniques::default() } else { pays };
+        let wanted = Wanted::new(config, techniques, wants_costs && is_running);
         self.planning().set_techniques(wanted.techniques, wants_costs);
         let is_changed = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);

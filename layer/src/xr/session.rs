@@ -83,6 +83,13 @@ impl Session {
         self.active.as_ref().is_some_and(|active| active.plan.sleep.frame_ends(is_asked()))
     }
 
+    /// The session begins or ends.
+    fn set_running(&self, is_running: bool) {
+        if let Some(active) = &self.active {
+            active.plan.set_running(active, is_running);
+        }
+    }
+
     /// Marks submits of this thread as the runtime's, while it is in a call down.
     pub fn runtime_section(&self) -> Option<RuntimeSection> {
         Some(self.active.as_ref()?.device.runtime_section())
@@ -108,7 +115,7 @@ pub fn owed_event(instance: xr::Instance) -> Option<xr::Session> {
 /// Forgets the sessions of an instance, before it is destroyed: they go with it.
 pub fn forget_all_of(instance: xr::Instance) {
     for session in SESSIONS.remove_where(|session| session.instance.handle == instance) {
-        end(&session);
+        forget(&session);
     }
 }
 
@@ -240,25 +247,72 @@ pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
     };
     // SAFETY: the next layer's function with the application's own argument.
     let below = || unsafe { (next.destroy_session)(handle) };
-    let forget = || {
+    let leave = || {
         SESSIONS.remove(handle);
         if let Some(known) = &known {
-            end(known);
+            forget(known);
         }
     };
     let pass_through = || {
-        attempt("xrDestroySession", forget);
+        attempt("xrDestroySession", leave);
         below()
     };
     guard("xrDestroySession", pass_through, |answer| {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
-        forget();
+        leave();
         answer.record(below())
     })
 }
 
+/// `xrBeginSession`: frames follow.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn begin_session(
+    handle: xr::Session,
+    info: *const xr::SessionBeginInfo,
+) -> xr::Result {
+    let known = find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.begin_session)(handle, info) };
+    guard("xrBeginSession", below, |answer| {
+        let _section = known.as_ref().and_then(|known| known.runtime_section());
+        let result = answer.record(below());
+        if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
+            known.set_running(true);
+        }
+        result
+    })
+}
+
+/// `xrEndSession`: the application may go on to draw, for a window, without frames that would bring a newer plan.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn end_session(handle: xr::Session) -> xr::Result {
+    let known = find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own argument.
+    let below = || unsafe { (next.end_session)(handle) };
+    guard("xrEndSession", below, |answer| {
+        let _section = known.as_ref().and_then(|known| known.runtime_section());
+        let result = answer.record(below());
+        if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
+            known.set_running(false);
+        }
+        result
+    })
+}
+
 /// Ends our part in a session that is about to be destroyed.
-fn end(session: &Session) {
+fn forget(session: &Session) {
     swapchain::forget_all_of(session.handle);
     spaces::forget_all_of(session.handle);
     offer::forget_all_of(session.handle);

@@ -1,6 +1,6 @@
 //! Resources of a style, and its input for each frame.
 
-use crate::gpu::{Gpu, Image, Kind, Pass, PassSpec, passes};
+use crate::gpu::{Buffer, Gpu, Image, Kind, Pass, PassSpec, passes};
 use crate::look::Look;
 use crate::scene::{Draw, Pipelines, Scene, Uniforms};
 use anyhow::Result;
@@ -59,6 +59,8 @@ pub struct Frame<'f> {
     pub waits: RefCell<Vec<vk::Semaphore>>,
     /// Width and height of the part of an eye buffer that is shown.
     pub shown: Cell<[u32; 2]>,
+    /// Destination of the picture of a frame for a window, which has no images of swapchains.
+    pub window: Option<Buffer>,
 }
 
 impl App<'_> {

@@ -31,6 +31,9 @@ pub use xr::{End, churn, devices, run, shading_rates};
 /// Prefix of the reason for a style that cannot run on this machine.
 pub const SKIPPED: &str = "skipped: no device with ";
 
+/// Prefix of the checksum of a window's last frame.
+pub const WINDOW: &str = "window: ";
+
 /// The style of this name; `random` and `new-targets` are some, too, of which nothing is known beforehand.
 pub fn style(name: &str) -> Option<&'static Style> {
     STYLES

@@ -19,6 +19,9 @@ pub struct Options {
     /// Number of frames before it requests the end of the session
     #[arg(long, default_value_t = 120)]
     pub frames: u64,
+    /// Frames to draw for a window after the session has ended: with a checksum of the last one. In the style offscreen-tonemap
+    #[arg(long, default_value_t = 0)]
+    pub window_frames: u64,
     /// First frame of the animation
     #[arg(long, default_value_t = 0)]
     pub first_frame: u64,

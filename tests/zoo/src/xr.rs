@@ -6,6 +6,7 @@ mod layers;
 mod slots;
 mod waiter;
 
+use crate::WINDOW;
 use crate::app::{App, Frame};
 use crate::gpu::{Device, Gpu, Opened, RatesFile, RatesUse};
 use crate::options::Options;
@@ -33,6 +34,9 @@ const STEREO: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STE
 
 /// The format of colour swapchains.
 pub const COLOR: vk::Format = vk::Format::R8G8B8A8_SRGB;
+
+/// Field of view of a window.
+const WINDOW_FOV: xr::Fovf = xr::Fovf { angle_left: -0.7, angle_right: 0.7, angle_up: 0.7, angle_down: -0.7 };
 
 /// Width and height of the quad layer's swapchain beside eyes of this size.
 pub fn board_size([width, height]: [u32; 2]) -> [u32; 2] {
@@ -249,7 +253,7 @@ impl<'g> Show<'g> {
                         self.session.end()?;
                         self.course.is_running = false;
                     }
-                    xr::SessionState::EXITING => return Ok(()),
+                    xr::SessionState::EXITING => return self.show_in_window(&app, &mut record),
                     xr::SessionState::LOSS_PENDING => bail!("the session is about to be lost"),
                     _ => {}
                 }
@@ -306,6 +310,7 @@ impl<'g> Show<'g> {
             after: RefCell::default(),
             waits: RefCell::default(),
             shown: Cell::new(app.size),
+            window: None,
         };
         app.scene.write(slot.index, &frame.uniforms);
         let once = vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT;
@@ -326,6 +331,43 @@ impl<'g> Show<'g> {
         layers.submit(&mut self.course.stream, time, &views)?;
         self.print_passes()?;
         self.frame += 1;
+        Ok(())
+    }
+
+    /// Draws on after the session has ended.
+    fn show_in_window(&mut self, app: &App, record: &mut dyn FnMut(&Frame) -> Result<()>) -> Result<()> {
+        if self.options.window_frames == 0 {
+            return Ok(());
+        }
+        let [width, height] = app.size.map(|side| side as usize);
+        let texel = 8;
+        let buffer = self.gpu.buffer(width * height * texel, vk::BufferUsageFlags::TRANSFER_DST)?;
+        let views = [xr::View { pose: xr::Posef::IDENTITY, fov: WINDOW_FOV }; 2];
+        for index in self.frame..self.frame + self.options.window_frames {
+            let slot = self.slots.next(self.gpu)?;
+            let frame = Frame {
+                index,
+                animated: index,
+                slot: slot.index,
+                commands: slot.commands,
+                uniforms: Uniforms::new(index, &views, Projection::default()),
+                views: &views,
+                color: Vec::new(),
+                depth: Vec::new(),
+                quad: 0,
+                after: RefCell::default(),
+                waits: RefCell::default(),
+                shown: Cell::new(app.size),
+                window: Some(buffer),
+            };
+            app.scene.write(slot.index, &frame.uniforms);
+            let once = vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT;
+            self.gpu.record(slot.commands, once, |_| record(&frame))?;
+            self.slots.submit(self.gpu, &slot, &frame)?;
+        }
+        // SAFETY: this thread is the only one that uses the device.
+        unsafe { self.gpu.device.device_wait_idle() }?;
+        println!("{WINDOW}{:016x}", buffer.checksum());
         Ok(())
     }
 

@@ -9,8 +9,9 @@ use parafovea_core::reuse::StaleTiles;
 use parafovea_manifest::options::PassRules;
 use std::sync::Arc;
 
-/// An application that does more than this in a frame, or shows no frames, is not followed further.
-const MOST_EVENTS: usize = 16_384;
+/// An application that does more than this in a frame, or shows no frames, is not followed further. Recognition looks at all earlier events, so
+/// the limit bounds its time: 4096 passes take some 10 ms in all, and engines have a few hundred in a frame.
+const MOST_EVENTS: usize = 4096;
 
 /// Frames by which applications record ahead of the one that they submit.
 const AHEAD: u64 = 2;
@@ -116,23 +117,26 @@ impl Log {
         self.left_out[1].get(eye)
     }
 
-    /// Takes a submitted event. Returns the verdict on a pass that draws to a candidate; on any pass if tests ask for that.
+    /// Takes a submitted event. Returns the verdict on a pass that draws to a candidate; on any pass if tests ask for that. `None` for any event
+    /// once there are too many, and nothing is learned from them.
     pub fn push<C: MapContent>(
         &mut self,
         objects: &Objects,
         event: &Event,
         candidate: Option<&Arc<C>>,
     ) -> Option<Result<Match, Unmatched>> {
+        if self.events.len() >= MOST_EVENTS {
+            self.is_incomplete = true;
+            return None;
+        }
         let is_told = self.notes.is_wanted();
         let verdict = match event {
             Event::Pass(pass) if candidate.is_some() || is_told => Some(self.recognise(objects, pass)),
             _ => None,
         };
-        if self.events.len() < MOST_EVENTS {
-            self.events.push(event.clone());
-            if is_told {
-                self.notes.push(verdict.as_ref(), candidate);
-            }
+        self.events.push(event.clone());
+        if is_told {
+            self.notes.push(verdict.as_ref(), candidate);
         }
         verdict
     }
@@ -190,16 +194,7 @@ mod tests {
             is_cube: false,
             swapchain: None,
         };
-        let pass = Pass {
-            colors: smallvec![Target { image: ImageKey(1), level: 0, base_layer: 0, layers: 1 }],
-            resolves: smallvec![],
-            depth: None,
-            area: [0, 0, 64, 64],
-            view_mask: 0,
-            facts: PassFacts::default(),
-            unmasked: None,
-            draws: None,
-        };
+        let pass = pass();
         let objects = Objects::default();
         let frame = |_| {
             if log.follows() {
@@ -209,6 +204,37 @@ mod tests {
             log.eye_passes()
         };
         (0..5400).map(frame).collect()
+    }
+
+    fn pass() -> Pass {
+        Pass {
+            colors: smallvec![Target { image: ImageKey(1), level: 0, base_layer: 0, layers: 1 }],
+            resolves: smallvec![],
+            depth: None,
+            area: [0, 0, 64, 64],
+            view_mask: 0,
+            facts: PassFacts::default(),
+            unmasked: None,
+            draws: None,
+        }
+    }
+
+    /// An application that draws to a window while its session shows no frames.
+    #[test]
+    fn frames_that_never_end_are_followed_for_a_while() {
+        struct Unread;
+        impl MapContent for Unread {
+            fn read(&self, _: &mut dyn FnMut(crate::backend::MapSize, &[u8])) {}
+        }
+        let (mut log, objects, event) = (Log::default(), Objects::default(), Event::Pass(pass()));
+        let candidate = Arc::new(Unread);
+        for _ in 0..MOST_EVENTS {
+            assert!(log.push(&objects, &event, Some(&candidate)).is_some());
+        }
+        assert!(log.learns());
+        assert!(log.push(&objects, &event, Some(&candidate)).is_none() && !log.learns());
+        log.begin_next(&objects);
+        assert!(log.push(&objects, &event, Some(&candidate)).is_some() && log.learns());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::{Gpu, Made};
 use anyhow::Result;
 use ash::vk;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// A buffer in memory that stays mapped.
 #[derive(Clone, Copy)]
@@ -23,6 +24,17 @@ impl Buffer {
         assert!(offset + bytes.len() <= self.size, "written inside the buffer");
         // SAFETY: the mapping is as long as the buffer and is only ever written through here.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), self.mapped.add(offset), bytes.len()) };
+    }
+
+    /// A checksum of the content.
+    ///
+    /// The caller makes sure that all work that writes it has finished.
+    pub fn checksum(&self) -> u64 {
+        // SAFETY: the mapping is as long as the buffer, and nothing writes to it meanwhile.
+        let bytes = unsafe { std::slice::from_raw_parts(self.mapped, self.size) };
+        let mut hasher = DefaultHasher::new();
+        bytes.hash(&mut hasher);
+        hasher.finish()
     }
 }
 

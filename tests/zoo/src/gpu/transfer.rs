@@ -1,6 +1,6 @@
 //! Copies between images of equal size, and other commands without draws.
 
-use super::{Gpu, Image, Made};
+use super::{Buffer, Gpu, Image, Made};
 use anyhow::Result;
 use ash::vk;
 
@@ -18,6 +18,18 @@ impl Gpu {
         // SAFETY: the command buffer is being recorded, outside of a render pass; the layouts are those.
         unsafe { self.cmd_copy_image(commands, from.handle, SOURCE, to.handle, DESTINATION, &[region]) };
         self.transition(commands, to, DESTINATION, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+    }
+
+    /// Copies an image that is in SHADER_READ_ONLY_OPTIMAL, and stays so, into a buffer.
+    pub fn read_back(&self, commands: vk::CommandBuffer, from: &Image, to: &Buffer) {
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(from.subresource())
+            .image_extent(vk::Extent3D { width: from.extent[0], height: from.extent[1], depth: 1 });
+        let sampled = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+        self.transition(commands, from, sampled, SOURCE);
+        // SAFETY: as above; the buffer has room for the image.
+        unsafe { self.cmd_copy_image_to_buffer(commands, from.handle, SOURCE, to.handle, &[region]) };
+        self.transition(commands, from, SOURCE, sampled);
     }
 
     /// As [`Self::copy`], with the rows in the opposite order.

@@ -41,6 +41,11 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let tone_map = gpu.pipeline(&spec, app.scene.layout, &eyes[0][0].target)?;
     let set = app.scene.textured(gpu, &[light])?;
     Ok(Box::new(move |frame| {
+        if let Some(window) = &frame.window {
+            app.show(frame, &scene, &pipelines, 0);
+            gpu.read_back(frame.commands, &light, window);
+            return Ok(());
+        }
         for eye in EYES {
             app.show(frame, &scene, &pipelines, eye);
             app.show_screen(frame, &eyes[eye][frame.color[eye]], tone_map, set, &Draw::default());

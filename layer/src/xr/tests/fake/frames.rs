@@ -69,6 +69,8 @@ pub fn function(name: &str) -> Option<pfn::VoidFunction> {
         "xrAcquireSwapchainImage" AcquireSwapchainImage acquire_image;
         "xrReleaseSwapchainImage" ReleaseSwapchainImage release_image;
         "xrDestroySession" DestroySession destroy_session;
+        "xrBeginSession" BeginSession begin_session;
+        "xrEndSession" EndSession end_session;
     }
 }
 
@@ -391,5 +393,19 @@ unsafe extern "system" fn release_image(
 ///
 /// As the call.
 unsafe extern "system" fn destroy_session(_: xr::Session) -> xr::Result {
+    xr::Result::SUCCESS
+}
+
+/// # Safety
+///
+/// As the call.
+unsafe extern "system" fn begin_session(_: xr::Session, _: *const xr::SessionBeginInfo) -> xr::Result {
+    xr::Result::SUCCESS
+}
+
+/// # Safety
+///
+/// As the call.
+unsafe extern "system" fn end_session(_: xr::Session) -> xr::Result {
     xr::Result::SUCCESS
 }
