@@ -43,6 +43,8 @@ pub struct PassContext<'a> {
     pub follows_graphics: bool,
     /// Whether conditional rendering is active: it would decide on our commands, too.
     pub is_conditional: bool,
+    /// Whether commands of the pass may be recorded inline, not in secondary command buffers alone.
+    pub is_inline: bool,
     /// The pass's own render area.
     pub area: vk::Rect2D,
     /// The mask of an earlier pass of the command buffer whose template depth of several samples still holds.
@@ -160,7 +162,8 @@ impl Masks {
         };
         let (mut fills, mut pending) = (SmallVec::new(), SmallVec::new());
         for (color, facts) in attachments.colors.iter().zip(&colors).filter(|(color, _)| color.is_stored) {
-            let part = part(context.objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;
+            let size = (map.extent(), layers);
+            let part = part(context.objects, color.target, vk::ImageAspectFlags::COLOR, size)?;
             if facts.samples == vk::SampleCountFlags::TYPE_1 {
                 map.prepare(color.format).map_err(failed)?;
             }
@@ -205,8 +208,7 @@ impl Masks {
             return Err(Unmasked::GraphicsState);
         }
         let image = context.objects.image_of(of.image).ok_or(Unmasked::Unknown)?.description;
-        let [width, height] = map.extent();
-        if of.level != 0 || image.extent[0] < width || image.extent[1] < height {
+        if of.level != 0 {
             return Err(Unmasked::Area);
         }
         let kind = SampleKind {
@@ -230,7 +232,8 @@ impl Masks {
         keeps_coverage: bool,
         instead: Unmasked,
     ) -> Result<(Arc<MaskMap>, OpenWay), Unmasked> {
-        if context.is_conditional {
+        // Nothing of ours can be bound in a pass of secondary command buffers.
+        if context.is_conditional || !context.is_inline {
             return Err(instead);
         }
         // Behind a pass with a template, a pass without depth mostly maps tones or scales: it costs little, and reads a filled picture.
@@ -296,7 +299,7 @@ impl Masks {
         }
         let aspects = aspects(context.objects, depth.target)?;
         let open = OpenDepth {
-            depth: part(context.objects, depth.target, aspects, target.layers())?,
+            depth: part(context.objects, depth.target, aspects, (map.extent(), target.layers()))?,
             is_covered: is_multisampled && eligible.work.covers,
             is_multisampled,
             layouts: depth.layouts,

@@ -145,6 +145,13 @@ impl Masks {
         Some(PassOf { compatible: known.pass, views, has_depth })
     }
 
+    /// Whether the pipeline's subpass, of a render pass, has depth or stencil; false if it is unknown.
+    fn has_depth(&self, info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+        let known = self.compatible.get(info.render_pass);
+        let subpass = known.as_ref().and_then(|known| known.description.subpasses.get(info.subpass as usize));
+        subpass.is_some_and(|subpass| subpass.depth.is_some())
+    }
+
     /// # Safety
     ///
     /// Valid usage of vkCreateGraphicsPipelines.
@@ -159,10 +166,13 @@ impl Masks {
         if !own.contains(Parts::FRAGMENT_SHADER) || unsafe { is_discarded(info, own) } {
             return facts;
         }
+        // Without depth and stencil in the subpass, valid usage leaves the pointer open.
+        let has_depth = info.render_pass == vk::RenderPass::null() || self.has_depth(info);
         // SAFETY: as above: stages and tests are of the part with the fragment shader, and dynamic state of all.
         let (stages, tests, dynamic) = unsafe {
             let stages = slice(info.p_stages, info.stage_count);
-            (stages, info.p_depth_stencil_state.as_ref(), dynamic_states(info))
+            let tests = if has_depth { info.p_depth_stencil_state.as_ref() } else { None };
+            (stages, tests, dynamic_states(info))
         };
         for stage in stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT) {
             // SAFETY: the stage is valid, as above.

@@ -1,13 +1,14 @@
 //! Command pools and command buffers.
 
 use super::{
-    BUFFERS, Buffer, buffer, draws, forget, heaps, timed, tracked, untracked, with_any, with_buffer,
+    BUFFERS, Buffer, Recorded, buffer, draws, forget, heaps, timed, tracked, untracked, with_any, with_buffer,
 };
 use crate::abi::copies::slice;
 use crate::vk::armed::Armed;
 use crate::vk::device;
 use ash::vk;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::thread::yield_now;
 
 /// `vkCreateCommandPool`.
 ///
@@ -226,6 +227,20 @@ pub unsafe extern "system" fn reset(
     })
 }
 
+/// The lock of a secondary command buffer's record, which other threads may read at the same time for their own primary ones. An application that
+/// records a command buffer during its execution violates valid usage, but must not deadlock here: `None` for it, after a while.
+fn patiently_locked(recorded: &Mutex<Recorded>) -> Option<MutexGuard<'_, Recorded>> {
+    const ATTEMPTS: u32 = 10_000;
+    (0..ATTEMPTS).find_map(|_| match recorded.try_lock() {
+        Ok(recorded) => Some(recorded),
+        Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+        Err(TryLockError::WouldBlock) => {
+            yield_now();
+            None
+        }
+    })
+}
+
 /// `vkCmdExecuteCommands`.
 ///
 /// # Safety
@@ -254,13 +269,33 @@ pub unsafe extern "system" fn execute(
             let mut recorded = known.recorded();
             // SAFETY: valid usage demands `count` command buffers.
             for secondary in unsafe { slice(secondaries, count) } {
-                // An application that records a command buffer during its execution violates valid usage, but must not deadlock here.
                 if let Some(secondary) = tracked(*secondary)
-                    && let Ok(secondary) = secondary.recorded.try_lock()
+                    && let Some(secondary) = patiently_locked(&secondary.recorded)
                 {
                     recorded.execute(&secondary);
                 }
             }
         }
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread::scope;
+    use std::time::Duration;
+
+    #[test]
+    fn a_record_that_another_thread_reads_is_waited_for() {
+        let recorded = Mutex::new(Recorded::default());
+        scope(|threads| {
+            let held = recorded.lock().unwrap();
+            let other = threads.spawn(|| patiently_locked(&recorded).is_some());
+            std::thread::sleep(Duration::from_micros(50));
+            drop(held);
+            assert!(other.join().unwrap());
+        });
+        let _held = recorded.lock().unwrap();
+        assert!(patiently_locked(&recorded).is_none(), "held by this thread");
+    }
 }

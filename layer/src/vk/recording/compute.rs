@@ -231,7 +231,14 @@ pub unsafe extern "system" fn bind_sets2(
             known.recorded().drawing.bind_more();
         }
         for point in points {
-            // SAFETY: the command buffer is recording, by valid usage.
+            if info.layout == vk::PipelineLayout::null() {
+                // Sets without a layout cannot be bound again.
+                known.recorded().offsets.bind_sets(point);
+                // SAFETY: the command buffer is recording, by valid usage.
+                unsafe { note_more(&known, handle, at(point)) };
+                continue;
+            }
+            // SAFETY: as above.
             unsafe { note_sets(&known, handle, point, (info.layout, info.first_set, sets, offsets)) };
         }
     });

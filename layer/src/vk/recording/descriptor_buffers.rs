@@ -260,7 +260,8 @@ pub unsafe extern "system" fn set_offsets2(
             let set = |kept: &mut BufferOffsets| {
                 // A chained structure may specify a different layout.
                 kept.has_more |= !info.p_next.is_null();
-                for &point in &points {
+                // Without a layout, they cannot be set again.
+                for &point in points.iter().filter(|_| info.layout != vk::PipelineLayout::null()) {
                     let what = What::Offsets(indices.into(), offsets.into());
                     kept.set(Call { point, layout: info.layout, first: info.first_set, what });
                 }
@@ -318,7 +319,7 @@ pub unsafe extern "system" fn bind_samplers2(
             let points = points(info.stage_flags);
             let set = |kept: &mut BufferOffsets| {
                 kept.has_more |= !info.p_next.is_null();
-                for &point in &points {
+                for &point in points.iter().filter(|_| info.layout != vk::PipelineLayout::null()) {
                     kept.set(Call { point, layout: info.layout, first: info.set, what: What::Samplers });
                 }
             };

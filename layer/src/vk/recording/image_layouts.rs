@@ -87,7 +87,7 @@ pub unsafe extern "system" fn pipeline_barrier2(
 
 impl Buffer {
     /// Notes the layouts that commands leave followed images in.
-    fn leave(&self, images: impl Iterator<Item = (vk::Image, vk::ImageLayout)>) {
+    pub(super) fn leave(&self, images: impl Iterator<Item = (vk::Image, vk::ImageLayout)>) {
         let followed = images.filter(|(image, _)| self.armed.layouts.of(*image).is_some());
         let mut followed = followed.peekable();
         if followed.peek().is_some() {

@@ -33,7 +33,7 @@ pub unsafe extern "system" fn begin(
             };
             match known {
                 // SAFETY: the application's own arguments, with the valid usage of the call.
-                Some(known) => unsafe { begin_tracked(&known, handle, info, begin) },
+                Some(known) => unsafe { begin_tracked(&known, handle, (info, is_inline(contents)), begin) },
                 None => begin(info),
             }
         }
@@ -62,7 +62,10 @@ pub unsafe extern "system" fn begin2(
             };
             match known {
                 // SAFETY: the application's own arguments, with the valid usage of the call.
-                Some(known) => unsafe { begin_tracked(&known, handle, info, begin) },
+                Some(known) => unsafe {
+                    let contents = (*subpass).contents;
+                    begin_tracked(&known, handle, (info, is_inline(contents)), begin)
+                },
                 None => begin(info),
             }
         }
@@ -128,6 +131,11 @@ pub unsafe extern "system" fn clear_attachments(
     );
 }
 
+/// Whether a subpass with these contents may have commands of the primary command buffer.
+fn is_inline(contents: vk::SubpassContents) -> bool {
+    contents != vk::SubpassContents::SECONDARY_COMMAND_BUFFERS
+}
+
 /// Begins a render pass with `begin`, with rates or a mask where it may have them, and notes it. One whose render pass or
 /// framebuffer is not known is left out.
 ///
@@ -137,7 +145,7 @@ pub unsafe extern "system" fn clear_attachments(
 unsafe fn begin_tracked(
     buffer: &Buffer,
     handle: vk::CommandBuffer,
-    info: *const vk::RenderPassBeginInfo<'_>,
+    (info, is_inline): (*const vk::RenderPassBeginInfo<'_>, bool),
     begin: impl FnOnce(*const vk::RenderPassBeginInfo<'_>),
 ) {
     let armed = &buffer.armed;
@@ -159,7 +167,7 @@ unsafe fn begin_tracked(
         (None, Some(masks)) => {
             let instance = instance.as_ref().zip(pass.as_mut());
             // SAFETY: valid usage of vkCmdBeginRenderPass, as this function requires.
-            unsafe { begin_masked(buffer, masks, handle, info, instance, begin) }
+            unsafe { begin_masked(buffer, masks, handle, (info, is_inline), instance, begin) }
         }
         (None, None) => {
             begin(info);
@@ -182,7 +190,7 @@ unsafe fn begin_masked(
     buffer: &Buffer,
     masks: &Masks,
     handle: vk::CommandBuffer,
-    info: *const vk::RenderPassBeginInfo<'_>,
+    (info, is_inline): (*const vk::RenderPassBeginInfo<'_>, bool),
     instance: Option<(&Instance, &mut Pass)>,
     begin: impl FnOnce(*const vk::RenderPassBeginInfo<'_>),
 ) -> (Option<Arc<Candidate>>, Option<OpenMask>) {
@@ -201,8 +209,10 @@ unsafe fn begin_masked(
         false => masks.loading_begin(structure),
     };
     // SAFETY: vkCmdBeginRenderPass is valid only in a command buffer that is recording, outside of render passes.
-    let (candidate, mask, loading) =
-        unsafe { buffer.open_mask(masks, handle, pass, (&attachments, structure.render_area), loading) };
+    let (candidate, mask, loading) = unsafe {
+        let place = (&attachments, structure.render_area, is_inline);
+        buffer.open_mask(masks, handle, pass, place, loading)
+    };
     begin(loading.as_ref().map_or(info, std::ptr::from_ref));
     (candidate, mask)
 }
@@ -250,7 +260,7 @@ impl Buffer {
         armed.candidates.known(armed.masks.as_ref()?.chained(depth, count)?)
     }
 
-    /// Opens the mask of a pass with these attachments and this render area, which is about to begin, and fills ahead of it. Returns the
+    /// Opens the mask of a pass with these attachments and this render area, which is about to begin, inline or not, and fills ahead of it. Returns the
     /// pass's candidate, its mask if it has one, and if that needs it the begin of the pass from `loading`.
     ///
     /// # Safety
@@ -261,12 +271,12 @@ impl Buffer {
         masks: &Masks,
         handle: vk::CommandBuffer,
         pass: &mut Pass,
-        (attachments, area): (&Attachments, vk::Rect2D),
+        (attachments, area, is_inline): (&Attachments, vk::Rect2D, bool),
         loading: impl FnOnce(DepthWork) -> Result<T, Unmasked>,
     ) -> (Option<Arc<Candidate>>, Option<OpenMask>, Option<T>) {
         let candidate = self.candidate(pass, attachments);
         let covering = self.covering(attachments.depth.map(|depth| depth.target.image));
-        let context = self.context(area, attachments, covering.as_ref());
+        let context = self.context((area, is_inline), attachments, covering.as_ref());
         let target = candidate.as_ref().map(|candidate| (candidate.target, candidate.mask()));
         // SAFETY: the command buffer is recording outside of render passes, as `# Safety` demands.
         let settle = |mask: Option<&_>| unsafe { self.settle(handle, attachments, area, mask) };
@@ -277,10 +287,10 @@ impl Buffer {
         (candidate, mask, loading.flatten())
     }
 
-    /// State at the start of a pass of this render area. `covered_by`: the mask whose template its multisampled depth holds, if any.
+    /// State at the start of a pass of this render area, inline or not. `covered_by`: the mask whose template its multisampled depth holds, if any.
     pub(super) fn context<'a>(
         &'a self,
-        area: vk::Rect2D,
+        (area, is_inline): (vk::Rect2D, bool),
         attachments: &Attachments,
         covered_by: Option<&'a Arc<MaskMap>>,
     ) -> PassContext<'a> {
@@ -297,6 +307,7 @@ impl Buffer {
             has_offsets: !recorded.offsets.is_empty(),
             follows_graphics: recorded.drawing.is_followed(),
             is_conditional: recorded.is_conditional,
+            is_inline,
             area,
         }
     }

@@ -170,11 +170,16 @@ pub unsafe extern "system" fn wait_events(
             images
         ),
         |known, next| {
-            if let Some(known) = known.filter(|_| count > 0) {
-                // SAFETY: valid usage demands `count` barriers of images, and a command buffer that is recording.
-                unsafe { known.fill_for(handle, barriers(slice(images, count))) };
+            // SAFETY: valid usage demands so many barriers of images.
+            let images = unsafe { slice(images, count) };
+            if let Some(known) = known.as_ref().filter(|_| count > 0) {
+                // SAFETY: the command buffer is recording, by valid usage.
+                unsafe { known.fill_for(handle, barriers(images)) };
             }
             next();
+            if let Some(known) = known.filter(|known| count > 0 && !known.armed.layouts.is_empty()) {
+                known.leave(images.iter().map(|barrier| (barrier.image, barrier.new_layout)));
+            }
         }
     );
 }
@@ -191,14 +196,22 @@ pub unsafe extern "system" fn wait_events2(
     infos: *const vk::DependencyInfo<'_>,
 ) {
     hook!("vkCmdWaitEvents2", with_buffer, cmd_wait_events2(handle, count, events, infos), |known, next| {
-        if let Some(known) = known.filter(|_| count > 0) {
-            // SAFETY: valid usage demands a structure for each event.
-            for info in unsafe { slice(infos, count) } {
+        // SAFETY: valid usage demands a structure for each event.
+        let infos = unsafe { slice(infos, count) };
+        if let Some(known) = &known {
+            for info in infos {
                 // SAFETY: the structure is valid, and the command buffer recording, by valid usage.
                 unsafe { known.fill_for(handle, barriers2(info)) };
             }
         }
         next();
+        if let Some(known) = known.filter(|known| !known.armed.layouts.is_empty()) {
+            for info in infos {
+                // SAFETY: as above.
+                let barriers = unsafe { barriers2(info) };
+                known.leave(barriers.map(|(image, layout, _)| (image, layout)));
+            }
+        }
     });
 }
 

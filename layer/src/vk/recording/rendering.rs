@@ -132,9 +132,12 @@ unsafe fn begin_masked(
     let attachments = unsafe { rendering_attachments(&buffer.armed.objects, structure) };
     // SAFETY: as above.
     let loading = |_: DepthWork| unsafe { loading(structure) };
+    let is_inline = !structure.flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS)
+        || structure.flags.contains(vk::RenderingFlags::CONTENTS_INLINE_EXT);
     // SAFETY: vkCmdBeginRendering is valid only in a command buffer that is recording, outside of render passes.
-    let (candidate, mask, depth) =
-        unsafe { buffer.open_mask(masks, handle, pass, (&attachments, structure.render_area), loading) };
+    let (candidate, mask, depth) = unsafe {
+        buffer.open_mask(masks, handle, pass, (&attachments, structure.render_area, is_inline), loading)
+    };
     match depth {
         Some(depth) => begin(&vk::RenderingInfo { p_depth_attachment: &depth, ..*structure }),
         None => begin(info),

@@ -119,3 +119,30 @@ fn draws_by_addresses_count() {
         assert_eq!(draws(buffer), [Some(draws_by.len() as u32)]);
     });
 }
+
+/// Frame graphs end with split barriers: the last layout of a swapchain's image is that of a wait.
+#[test]
+fn waits_for_events_leave_layouts_as_barriers_do() {
+    use vk::ImageLayout as Layout;
+    let wait = hook!(c"vkCmdWaitEvents": PFN_vkCmdWaitEvents);
+    let wait2 = hook!(c"vkCmdWaitEvents2KHR": PFN_vkCmdWaitEvents2);
+    with_command_buffer(|handle, buffer| {
+        let [image, other] = [1, 2].map(vk::Image::from_raw);
+        buffer.armed.layouts.follow(image);
+        let stages = vk::PipelineStageFlags::ALL_COMMANDS;
+        let barriers = [(image, Layout::GENERAL), (other, Layout::GENERAL)]
+            .map(|(image, layout)| vk::ImageMemoryBarrier::default().image(image).new_layout(layout));
+        let event = vk::Event::from_raw(1);
+        // SAFETY: the command buffer is live, and the arrays have so many elements.
+        unsafe {
+            wait(handle, 1, &event, stages, stages, 0, null(), 0, null(), 2, barriers.as_ptr());
+        }
+        let barriers =
+            [vk::ImageMemoryBarrier2::default().image(image).new_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)];
+        let info = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+        // SAFETY: as above.
+        unsafe { wait2(handle, 1, &event, &info) };
+        let expected = [(image, Layout::GENERAL), (image, Layout::COLOR_ATTACHMENT_OPTIMAL)];
+        assert_eq!(buffer.recorded().layouts[..], expected);
+    });
+}

@@ -101,8 +101,12 @@ impl Queries {
     }
 }
 
-/// The interval between two timestamps; nothing while one of them is of an earlier submit: those stay until the GPU comes to reset them.
+/// The interval between two timestamps; nothing while one of them is of an earlier submit: those stay until the GPU comes to reset them. Before
+/// the first reset, RADV answers with the zeros of a new pool (`radv_query.c`: available if it is not `UINT64_MAX`).
 fn interval([begin, end]: [u64; 2], mask: u64, latest: &mut Option<u64>) -> Option<Interval> {
+    if latest.is_none() && (begin == 0 || end == 0) {
+        return None;
+    }
     if let Some(before) = *latest {
         let is_later = |after: u64| (1..=mask / 2).contains(&(after.wrapping_sub(before) & mask));
         if !is_later(begin) || !is_later(end) {
@@ -131,6 +135,8 @@ mod tests {
     #[test]
     fn timestamps_of_an_earlier_submit_do_not_count() {
         let mut latest = None;
+        assert_eq!(steps([0, 0], u64::MAX, &mut latest), None, "a new pool");
+        assert_eq!(steps([10, 0], u64::MAX, &mut latest), None, "under way for the first time");
         assert_eq!(steps([10, 15], u64::MAX, &mut latest), Some(5));
         assert_eq!(steps([10, 15], u64::MAX, &mut latest), None, "not run yet");
         assert_eq!(steps([30, 15], u64::MAX, &mut latest), None, "under way");

@@ -53,14 +53,16 @@ impl Sleep {
 
     /// A frame ends; returns whether it is ignored. With `is_asked`, none is.
     pub fn frame_ends(&self, is_asked: bool) -> bool {
-        let left = self.left.load(Ordering::Relaxed);
-        if left == 0 || is_asked {
+        if is_asked {
             self.wake();
-            return false;
         }
-        self.left.store(left - 1, Ordering::Relaxed);
-        self.unended.fetch_add(1, Ordering::Relaxed);
-        true
+        // Another thread may wake the session meanwhile, and then it stays awake.
+        let less = |left: u32| left.checked_sub(1);
+        let is_ignored = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less).is_ok();
+        if is_ignored {
+            self.unended.fetch_add(1, Ordering::Relaxed);
+        }
+        is_ignored
     }
 
     /// Ignored frames that ended since the last call.
@@ -81,6 +83,10 @@ pub fn fall_asleep(
     let frames = unfollowed.saturating_sub(1);
     if frames >= LEAST_FRAMES && may_sleep(session, (active, config), time) {
         active.plan.sleep.begin(frames);
+        // A swapchain that another thread creates wakes the session; one that it created since the look above has done so too early.
+        if !swapchain::virtual_ones(session.handle).is_empty() {
+            active.plan.sleep.wake();
+        }
     }
 }
 

@@ -167,7 +167,12 @@ fn track(
     if let Some(substitute) = &swapchain.substitute {
         swapchain.notify_images(substitute.app.images());
     }
+    let is_virtual = swapchain.substitute.is_some();
     SWAPCHAINS.insert(handle, swapchain);
+    if is_virtual {
+        // Its images reach the runtime in no ignored frame.
+        active.plan.sleep.wake();
+    }
 }
 
 /// Both sides of a virtual swapchain; `None`, with one line in the log, where it has to stay as it is.

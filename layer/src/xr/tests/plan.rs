@@ -38,6 +38,26 @@ fn the_vulkan_half_learns_what_is_wanted_before_the_first_frame() {
 }
 
 #[test]
+fn a_session_that_does_not_run_has_no_rates() {
+    let session = session_of_tests();
+    crossings();
+    let settings = |is_on| [Crossing::Settings { is_on, backend: BACKEND_ANY, passes: String::new() }];
+    let info = xr::SessionBeginInfo {
+        ty: xr::SessionBeginInfo::TYPE,
+        next: ptr::null(),
+        primary_view_configuration_type: xr::ViewConfigurationType::PRIMARY_STEREO,
+    };
+    for _ in 0..2 {
+        // SAFETY: a live session.
+        assert_eq!(unsafe { session::end_session(session) }, xr::Result::SUCCESS);
+        assert_eq!(crossings(), settings(0));
+        // SAFETY: as above, and a valid structure.
+        assert_eq!(unsafe { session::begin_session(session, &info) }, xr::Result::SUCCESS);
+        assert_eq!(crossings(), settings(1));
+    }
+}
+
+#[test]
 fn a_steady_frame_hands_over_nothing_new() {
     let application = Application::new();
     look(5.0);
