@@ -27,7 +27,16 @@ pub fn complete<'a>(
         return;
     }
     let how = Completing::of(config);
-    let scene = submission.only_projection();
+    // With a second layer, it is not known which passes belong to which; the pictures whose tiles were left out before are completed.
+    let only = submission.only_projection();
+    let is_only = only.is_some();
+    let scene = only.or_else(|| {
+        let is_known = |layer: &Projection<'_>| {
+            let shown = picture(layer, 0, submission.time, works);
+            shown.is_some_and(|(shown, _)| history.is_of(0, shown.substitute))
+        };
+        submission.projections().find(is_known)
+    });
     let watched = watched(&active.plan.planning(), config);
     let mut kept = [false; 2];
     let mut sorted = active.plan.sorted();
@@ -53,15 +62,17 @@ pub fn complete<'a>(
             let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
             let depth = view.and_then(depth::of);
             let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
-            history.show(eye, picture, is_intact, |stale| {
+            let goes_on = history.show(eye, picture, is_intact, |stale| {
                 std::mem::swap(stale, &mut report.stale[eye]);
             });
-            shown.is_some_and(|(_, work)| {
-                work.keeps(longest_period(config))
-                    && (!wants_reuse || tools.compose().completes(work.format()))
-            })
+            goes_on
+                && is_only
+                && shown.is_some_and(|(_, work)| {
+                    work.keeps(longest_period(config))
+                        && (!wants_reuse || tools.compose().completes(work.format()))
+                })
         };
-        if !wants_reuse && history.region(eye, how).is_none() {
+        if !(wants_reuse && is_only) && history.region(eye, how).is_none() {
             history.show(eye, None, |_| false, |_| {});
         }
         history.complete(eye, how, watched[eye].as_ref(), Some(&mut sorted));

@@ -50,6 +50,11 @@ impl Completing {
     /// Turned with the head.
     pub const TURNED: Self = Self { turns: true, border: 4.0, oldest: MAX_AGES };
 
+    /// The same, but without a turn where the pictures are in different spaces.
+    fn unless(self, has_moved: bool) -> Self {
+        if has_moved { Self { oldest: self.oldest, ..Self::PAPER } } else { self }
+    }
+
     /// Width of blended borders, pixels; 0 while the head stands still: both sides of a border are then of one picture, except for moving
     /// content.
     fn border_of(&self, reuse: &Reuse) -> f32 {
@@ -100,18 +105,30 @@ pub struct ShownPicture {
 impl History {
     /// Takes the picture of an eye (0: left, 1: right) that a frame shows, or none. `is_intact` returns whether the picture of a release is
     /// still intact, and `stale` writes the stale tiles of this one. Its depth comes with it, if that was copied.
+    ///
+    /// Returns whether this picture goes on from the one before, in one swapchain and one space: then the next one probably does, too, and can
+    /// be completed.
     pub fn show(
         &mut self,
         eye: usize,
         shown: Option<(&ShownPicture, Option<ShownDepth>)>,
         is_intact: impl Fn(u64) -> bool,
         stale: impl FnOnce(&mut StaleTiles),
-    ) {
+    ) -> bool {
         let history = &mut self.eyes[eye];
         match shown {
             Some(shown) => history.show(shown, is_intact, stale),
-            None => history.keep(0),
+            None => {
+                history.keep(0);
+                false
+            }
         }
+    }
+
+    /// Whether an eye has pictures, of this swapchain.
+    pub fn is_of(&self, eye: usize, substitute: u64) -> bool {
+        let EyeHistory { len, of, .. } = &self.eyes[eye];
+        *len > 0 && of.is_some_and(|(known, _)| known == substitute)
     }
 
     /// Whether the newest picture of an eye can be followed as the head moves: it has depth, and so has the picture before it.
@@ -134,8 +151,8 @@ impl History {
         watched: Option<&Watched>,
         sorted: Option<&mut SortedTiles>,
     ) {
-        let EyeHistory { pictures, len, lists, .. } = &mut self.eyes[eye];
-        let pictures = &pictures[..*len];
+        let EyeHistory { pictures, len, lists, has_moved, .. } = &mut self.eyes[eye];
+        let (pictures, how) = (&pictures[..*len], how.unless(*has_moved));
         if sorted.is_none_or(|sorted| !sorted.take(eye, pictures, how, watched, lists)) {
             lists.update(pictures.iter().map(Kept::picture), how, watched);
         }
@@ -149,7 +166,8 @@ impl History {
 
     /// The comparisons that [`Self::complete`] found, of a view that is turned so in the world; `None` if there is nothing to compare.
     pub fn changes(&self, eye: usize, how: Completing, orientation: Quat) -> Option<ChangeRegion<'_>> {
-        let EyeHistory { pictures, len, lists: EyeLists { compared, .. }, .. } = &self.eyes[eye];
+        let EyeHistory { pictures, len, lists: EyeLists { compared, .. }, has_moved, .. } = &self.eyes[eye];
+        let how = how.unless(*has_moved);
         let (newest, earlier) = pictures[..*len].split_first().filter(|_| compared.count() > 0)?;
         let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns);
         Some(ChangeRegion {
@@ -165,8 +183,8 @@ impl History {
 
     /// The re-use that [`Self::complete`] worked out; `None` if the newest picture is complete.
     pub fn region(&self, eye: usize, how: Completing) -> Option<ReuseRegion<'_>> {
-        let EyeHistory { pictures, len, lists: EyeLists { lists, .. }, .. } = &self.eyes[eye];
-        let pictures = &pictures[..*len];
+        let EyeHistory { pictures, len, lists: EyeLists { lists, .. }, has_moved, .. } = &self.eyes[eye];
+        let (pictures, how) = (&pictures[..*len], how.unless(*has_moved));
         let [width, height] = pictures.first()?.extent;
         let EarlierImage { array_layer, offset: [x, y], .. } = pictures[0].image;
         let reuse = lists::reuse(pictures.iter().map(Kept::picture), how)?;
@@ -196,12 +214,14 @@ struct EyeHistory {
     /// The newest first. Elements beyond [`Self::len`] are memory to be used again.
     pictures: Vec<Kept>,
     len: usize,
-    /// The swapchain and the space of all of them.
+    /// The swapchain of all of them, and the space of the newest.
     of: Option<(u64, xr::Space)>,
     /// Number of pictures pushed so far.
     pushed: u64,
     /// Number of pictures dropped when the newest one was shown.
     lost: usize,
+    /// Whether the newest picture is in another space than the others, so that it cannot be turned to them.
+    has_moved: bool,
     lists: EyeLists,
 }
 
@@ -262,14 +282,20 @@ impl EyeHistory {
         (shown, depth): (&ShownPicture, Option<ShownDepth>),
         is_intact: impl Fn(u64) -> bool,
         stale: impl FnOnce(&mut StaleTiles),
-    ) {
-        let of = Some((shown.substitute, shown.space));
-        let last = self.pictures.first().filter(|_| self.len > 0 && self.of == of);
+    ) -> bool {
+        if self.has_moved {
+            // All but the newest are in a space that the application has left.
+            self.keep(self.len.min(1));
+        }
+        let (was_of, was_in) = self.of.unzip();
+        let last = self.pictures.first().filter(|_| self.len > 0 && was_of == Some(shown.substitute));
         let gap = last.map(|last| shown.time.as_nanos().saturating_sub(last.time.as_nanos()));
-        if !gap.is_some_and(|gap| (0..=LONGEST_GAP_NS).contains(&gap)) {
+        let goes_on = gap.is_some_and(|gap| (0..=LONGEST_GAP_NS).contains(&gap));
+        if !goes_on {
             self.len = 0;
         }
-        self.of = of;
+        self.has_moved = goes_on && was_in != Some(shown.space);
+        self.of = Some((shown.substitute, shown.space));
         match self.pictures.first_mut().filter(|_| self.len > 0) {
             // The same picture again, wherever it is said to have been seen from.
             Some(newest) if newest.release == shown.release => newest.time = shown.time,
@@ -279,6 +305,7 @@ impl EyeHistory {
         let intact = 1 + earlier.take_while(|kept| is_intact(kept.release)).count();
         self.lost = self.len - intact;
         self.keep(intact);
+        goes_on && !self.has_moved
     }
 
     /// Keeps that many pictures, with their depth if that is still available.

@@ -84,7 +84,6 @@ fn what_does_not_belong_together_begins_anew() {
     let next = shown(3);
     for (what, picture) in [
         ("another swapchain", ShownPicture { substitute: 2, ..next }),
-        ("another space", ShownPicture { space: xr::Space::from_raw(8), ..next }),
         ("a pause", ShownPicture { time: later(LONGEST_GAP_NS + 1), ..next }),
         ("time that runs back", ShownPicture { time: later(-1), ..next }),
     ] {
@@ -153,4 +152,35 @@ fn the_same_picture_again_is_no_other() {
         ShownPicture { time: xr::Time::from_nanos(again.time.as_nanos() + LONGEST_GAP_NS), ..shown(3) };
     history.show(0, Some((&next, None)), ALWAYS, left_half_is_stale);
     assert_eq!(ages(&history), 2, "shown without a gap");
+}
+
+/// An application recentres by another reference space: tiles of this frame were left out, and the head has hardly turned.
+#[test]
+fn a_picture_in_another_space_is_completed_without_a_turn_and_the_next_begins_anew() {
+    let mut history = of_two();
+    let moved = |number| ShownPicture { space: xr::Space::from_raw(8), ..shown(number) };
+    let show = |history: &mut History, picture: &ShownPicture| {
+        let goes_on = history.show(0, Some((picture, None)), ALWAYS, left_half_is_stale);
+        history.complete(0, Completing::TURNED, None, None);
+        let region = history.region(0, Completing::TURNED).unwrap();
+        (goes_on, region.reuse.ages(), region.border)
+    };
+    let (goes_on, ages, border) = show(&mut history, &shown(3));
+    assert!(goes_on && ages == 2 && border > 0.0, "{ages} {border}");
+    assert_eq!(show(&mut history, &moved(4)), (false, 3, 0.0), "in the other space");
+    let (goes_on, ages, border) = show(&mut history, &moved(5));
+    assert!(goes_on && ages == 1 && border > 0.0, "the first of that space is left: {ages} {border}");
+}
+
+/// Two pairs of swapchains in turn: what is left out of a picture would be in none.
+#[test]
+fn pictures_of_swapchains_in_turn_do_not_go_on() {
+    let mut history = History::default();
+    for number in 1..6 {
+        let picture = ShownPicture { substitute: number % 2, ..shown(number) };
+        assert!(!history.show(0, Some((&picture, None)), ALWAYS, nothing_is_stale));
+        assert!(history.is_of(0, number % 2) && !history.is_of(0, 2));
+    }
+    let picture = ShownPicture { substitute: 1, ..shown(6) };
+    assert!(history.show(0, Some((&picture, None)), ALWAYS, nothing_is_stale));
 }
