@@ -96,13 +96,15 @@ impl ApplicationInput {
         self.is_there
     }
 
-    /// It made an action set.
+    /// It made an action set. A handle may be that of one that was destroyed.
     pub fn note_set(&mut self, set: xr::ActionSet, priority: u32) {
+        self.sets.retain(|(known, _)| *known != set);
         self.sets.push((set, priority));
     }
 
-    /// It made an action.
+    /// It made an action. As for sets, the handle may be a former one.
     pub fn note_action(&mut self, action: xr::Action, set: xr::ActionSet) {
+        self.actions.retain(|(known, _)| *known != action);
         self.actions.push((action, set));
     }
 
@@ -150,5 +152,32 @@ impl ApplicationInput {
         let priorities = applications.iter().filter_map(|binding| priority_of(set_of(binding.action)?));
         let priority = priorities.min().unwrap_or_default();
         Some(Wanted { number, priority, applications, suggestion: self.gaze_suggestions })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openxr_sys::Handle;
+
+    /// Runtimes hand out addresses, which come again when an application destroys its sets and makes others.
+    #[test]
+    fn a_handle_that_comes_again_is_the_newer_object() {
+        let [old, new] = [1, 2].map(xr::ActionSet::from_raw);
+        let action = xr::Action::from_raw(7);
+        let binding = xr::ActionSuggestedBinding { action, binding: xr::Path::from_raw(3) };
+        let mut input = ApplicationInput::default();
+        let suggested =
+            || Suggested { users: Vec::new(), gaze: Some(GazeSuggestion::Bindings(vec![binding])) };
+        input.note_set(old, 9);
+        input.note_action(action, old);
+        input.note_suggestion(suggested());
+        assert_eq!(input.wanted(1).unwrap().priority, 9);
+        input.note_set(old, 4);
+        assert_eq!(input.wanted(1).unwrap().priority, 4);
+        input.note_set(new, 2);
+        input.note_action(action, new);
+        input.note_suggestion(suggested());
+        assert_eq!(input.wanted(1).unwrap().priority, 2);
     }
 }
