@@ -114,10 +114,8 @@ unsafe fn prepare(
             continue;
         }
         let recorded = buffer.recorded();
-        if is_followed {
-            if !recorded.layouts.is_empty() {
-                armed.layouts.submitted(armed.objects.queue(queue), &recorded.layouts);
-            }
+        if is_followed && !recorded.layouts.is_empty() {
+            armed.layouts.submitted(armed.objects.queue(queue), &recorded.layouts);
         }
         // Maps that are still coarse after the last session become 1x1.
         let is_left = || {
