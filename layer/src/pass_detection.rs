@@ -15,6 +15,6 @@ pub use event::{
 };
 pub use eye_passes::EyePasses;
 pub use matched::{Eyes, How, Match, Orientation, Part, Unmatched};
-pub use recognition::{Feedback, Recognition};
+pub use recognition::{Feedback, Recognition, holds_colours};
 pub use shown::{Eye, Shown, ShownView, SwapchainKey};
 pub use unmasked::Unmasked;

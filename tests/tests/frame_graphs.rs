@@ -16,6 +16,7 @@ fn eyes_of_engines_are_found_and_nothing_else() {
     for graph in GRAPHS {
         let score = run(graph);
         assert_eq!(score.wrong, 0, "{}: {:?}", graph.name, score.wrong_names);
+        assert_eq!(score.coarse_full_screen, 0, "{}: tone mapping or filters", graph.name);
         all += &score;
     }
     assert!(all.recall() >= 0.95, "recall {}: {:#?}", all.recall(), all.missed_names);

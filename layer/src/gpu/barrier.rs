@@ -91,15 +91,19 @@ const DEPTH_READ_WRITE: Access = Access::from_raw(
 const DEPTH_READ_STAGES: Stage =
     Stage::from_raw(Stage::FRAGMENT_SHADER.as_raw() | Stage::COMPUTE_SHADER.as_raw());
 
+/// Any use by the application: it may draw to its image, copy to it or write it in a shader, after a barrier of its own that waits for
+/// nothing, as the image is free to be written (OpenXR specification, xrWaitSwapchainImage).
+const ANY_USE: Access = Access::from_raw(Access::MEMORY_READ.as_raw() | Access::MEMORY_WRITE.as_raw());
+
 /// A new image of ours, before the application first gets it.
 pub const APP_CREATED: ImageBarrier = ImageBarrier {
     name: "app_created",
     old_layout: Layout::UNDEFINED,
     new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
     src_stage: Stage::TOP_OF_PIPE,
-    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    dst_stage: Stage::ALL_COMMANDS,
     src_access: Access::empty(),
-    dst_access: COLOR_READ_WRITE,
+    dst_access: ANY_USE,
 };
 
 /// From the application's rendering to our copy of it.
@@ -152,9 +156,9 @@ pub const APP_COMPARED_TO_RENDERED: ImageBarrier = ImageBarrier {
     old_layout: Layout::SHADER_READ_ONLY_OPTIMAL,
     new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
     src_stage: Stage::COMPUTE_SHADER,
-    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    dst_stage: Stage::ALL_COMMANDS,
     src_access: Access::empty(),
-    dst_access: COLOR_READ_WRITE,
+    dst_access: ANY_USE,
 };
 
 /// Our last read of an image that was sampled, before the application writes it again.
@@ -163,9 +167,9 @@ pub const APP_SAMPLED_TO_RENDERED: ImageBarrier = ImageBarrier {
     old_layout: Layout::SHADER_READ_ONLY_OPTIMAL,
     new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
     src_stage: Stage::FRAGMENT_SHADER,
-    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    dst_stage: Stage::ALL_COMMANDS,
     src_access: Access::empty(),
-    dst_access: COLOR_READ_WRITE,
+    dst_access: ANY_USE,
 };
 
 /// Our last read of an image that was only copied, before the application writes it again.
@@ -174,9 +178,9 @@ pub const APP_COPIED_TO_RENDERED: ImageBarrier = ImageBarrier {
     old_layout: Layout::TRANSFER_SRC_OPTIMAL,
     new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
     src_stage: Stage::TRANSFER,
-    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    dst_stage: Stage::ALL_COMMANDS,
     src_access: Access::empty(),
-    dst_access: COLOR_READ_WRITE,
+    dst_access: ANY_USE,
 };
 
 /// The runtime's image, whose old content is not needed, before we copy to it. The runtime hands it over for

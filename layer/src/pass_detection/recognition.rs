@@ -17,6 +17,7 @@ mod trace;
 
 use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
 use crate::status::Topic;
+pub use candidate::holds_colours;
 pub use feedback::Feedback;
 use feedback::FeedbackEvidence;
 use listing::Listing;

@@ -73,7 +73,13 @@ struct Eye {
     /// Field of view to plan with; of the row above as the top.
     fov: Option<Fov>,
     extent: [u32; 2],
+    /// Another extent that was shown last, and the number of frames in a row.
+    other_extent: ([u32; 2], u32),
 }
+
+/// Frames after which an extent that stays the same is planned with: a render scale that an application has set once. Dynamic resolution changes
+/// more often.
+const SETTLED_FRAMES: u32 = 60;
 
 /// The field of view that a projection layer showed.
 #[derive(Clone, Copy, Debug)]
@@ -199,11 +205,18 @@ impl Eye {
         }
     }
 
-    /// Plans are scaled to pictures of other sizes, so that only another order of sizes counts.
+    /// Plans are scaled to pictures of other sizes, so that another order of sizes counts at once, and another size only if it stays. The contrast
+    /// of pictures is known at the planned size alone.
     fn resize(&mut self, extent: [u32; 2]) {
         let is_like = |new: u32, old: u32| new > old / 2 && new / 2 < old;
-        if !(is_like(extent[0], self.extent[0]) && is_like(extent[1], self.extent[1])) {
+        let (other, frames) = self.other_extent;
+        let frames = if other == extent { frames + 1 } else { 1 };
+        let is_near = is_like(extent[0], self.extent[0]) && is_like(extent[1], self.extent[1]);
+        if extent == self.extent || !is_near || frames >= SETTLED_FRAMES {
             self.extent = extent;
+            self.other_extent = Default::default();
+        } else {
+            self.other_extent = (extent, frames);
         }
     }
 

@@ -189,6 +189,9 @@ impl Armed {
         self.frame.set_on(record.is_on != 0 && is_allowed);
         self.timing.set_wanted(record.times_frames != 0 && is_allowed);
         self.frame.set_resting(record.is_on == 0 && record.times_frames == 0);
+        if !self.frame.is_on() {
+            self.perception.rest();
+        }
         let rules = str::from_utf8(passes).map_err(|error| error.to_string());
         match rules.and_then(|rules| rules.parse().map_err(|error: PassRulesError| error.to_string())) {
             Ok(rules) => self.frame.log().set_rules(rules),

@@ -206,6 +206,11 @@ macro_rules! armed_functions {
             cmd_end_conditional_rendering: PFN_vkCmdEndConditionalRenderingEXT =
                 c"vkCmdEndConditionalRenderingEXT" => queries::end_conditional;
 
+            cmd_dispatch: PFN_vkCmdDispatch = c"vkCmdDispatch" => dispatches::dispatch;
+            cmd_dispatch_base: PFN_vkCmdDispatchBase = c"vkCmdDispatchBase"
+                since API_VERSION_1_1, before c"vkCmdDispatchBaseKHR" => dispatches::dispatch_base;
+            cmd_dispatch_indirect: PFN_vkCmdDispatchIndirect = c"vkCmdDispatchIndirect" => dispatches::dispatch_indirect;
+
             cmd_pipeline_barrier: PFN_vkCmdPipelineBarrier = c"vkCmdPipelineBarrier" => image_layouts::pipeline_barrier;
             cmd_pipeline_barrier2: PFN_vkCmdPipelineBarrier2 = c"vkCmdPipelineBarrier2"
                 since API_VERSION_1_3, before c"vkCmdPipelineBarrier2KHR" => image_layouts::pipeline_barrier2;

@@ -82,7 +82,7 @@ impl Perception {
             let plan = own.frame.plan();
             (plan.received(), plan.decision(eye).copied(), plan.shape(eye))
         };
-        let Some(decision) = decision else { return self.forget_eye(eye) };
+        let Some(decision) = decision.filter(|_| own.frame.is_on()) else { return self.forget_eye(eye) };
         let Some(tools) = self.tools(own.record) else { return };
         let [_, _, width, height] = record.rect;
         if [width, height] != extent {
@@ -244,8 +244,18 @@ impl Perception {
         }
     }
 
+    /// No pass gets rates for now, so that nothing is analysed or decided.
+    pub fn rest(&self) {
+        [0, 1].into_iter().for_each(|eye| self.forget_eye(eye));
+    }
+
     fn forget_eye(&self, eye: usize) {
-        let forgotten = self.state().eyes[eye].take();
+        let forgotten = {
+            let mut state = self.state();
+            let eye = state.eyes[eye].take();
+            let pictures = eye.as_ref().map(|eye| state.pictures.forget_tiles(&eye.tiles));
+            (eye, pictures)
+        };
         drop(forgotten);
     }
 
@@ -289,6 +299,7 @@ impl Perception {
         match EyeTiles::new(tools, eye, tiles, extent) {
             Ok(new) => {
                 let new = Arc::new(new);
+                self.forget_eye(eye);
                 self.state().eyes[eye] = Some(Eye { tiles: Arc::clone(&new), measured: None });
                 Some(new)
             }

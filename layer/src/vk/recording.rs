@@ -7,6 +7,7 @@ pub mod binding;
 pub mod buffers;
 pub mod compute;
 pub mod descriptor_buffers;
+pub mod dispatches;
 pub mod drawing;
 pub mod draws;
 pub mod generated;

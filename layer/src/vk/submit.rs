@@ -8,7 +8,7 @@ use super::candidates::{Candidate, Need};
 use super::{device, recording, runtime_section};
 use crate::abi::copies::slice;
 use crate::abi::guard;
-use crate::pass_detection::{Event, Part, Unmasked};
+use crate::pass_detection::{Event, Part, Pass, Unmasked};
 use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
@@ -184,6 +184,11 @@ unsafe fn update(
     unsafe { maps::submit(&ring, armed, own, queue, touched, deciding.as_ref()) };
 }
 
+/// Whether a pass is known to draw nothing: engines clear the scene's image in a pass of its own.
+fn is_empty(pass: &Pass) -> bool {
+    pass.draws.as_ref().is_some_and(|draws| draws.quads + draws.meshes == 0)
+}
+
 /// Takes the events of a command buffer of the application, and recognises its passes; adds to `followed` the candidates with maps that its
 /// passes obey.
 fn recognise_passes(
@@ -213,8 +218,8 @@ fn recognise_passes(
             }
             let how = matched.as_ref().map(|found| found.how);
             candidate.map.submitted(how, pass.depth.is_some(), log.frame());
-            // A pass without a mask obeys no map, and so does not affect the content of the map.
-            if pass.unmasked.is_some_and(|reason| reason != Unmasked::Undrawn) {
+            // A pass without a mask obeys no map, and one without draws needs none: both do not affect the content of the map.
+            if pass.unmasked.is_some_and(|reason| reason != Unmasked::Undrawn) || is_empty(pass) {
                 continue;
             }
             add(followed, candidate);

@@ -306,8 +306,12 @@ fn read(path: &Path) -> Option<GazeScript> {
         // O_NONBLOCK: otherwise opening a FIFO would wait for a writer.
         let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path);
         let file = file.map_err(|error| error.to_string())?;
-        if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+        let metadata = file.metadata().map_err(|error| error.to_string())?;
+        if !metadata.is_file() {
             return Err("not a regular file".to_owned());
+        }
+        if metadata.len() > MOST_BYTES {
+            return Err(format!("{} bytes, more than the allowed {MOST_BYTES}", metadata.len()));
         }
         let mut text = String::new();
         file.take(MOST_BYTES).read_to_string(&mut text).map_err(|error| error.to_string())?;

@@ -190,6 +190,12 @@ impl SessionPlan {
         self.notify_settings(active, &self.config());
     }
 
+    /// Whether passes get shading rates, by the last settings of the Vulkan half.
+    pub fn has_rates(&self) -> bool {
+        let told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.is_some_and(|told| told.techniques.rates)
+    }
+
     /// Sends the Vulkan half the settings of the configuration and of the gates if they are new.
     pub fn notify_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {

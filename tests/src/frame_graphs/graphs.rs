@@ -81,6 +81,12 @@ pub const GRAPHS: &[Graph] = &[
     Graph::new("native-spectator", TALL, Separate, &[(native::spectator, &[Shadow(2048)])]),
     Graph::new("native-spectator-square", SQUARE, Separate, &[(native::spectator, &[Evsm(2048)])]),
     Graph::new("native-pooled-mirror", TALL, Separate, &[(native::pooled_mirror, &[Shadow(2048)])]),
+    Graph::new(
+        "native-pooled-clears",
+        TALL,
+        Separate,
+        &[(native::pooled_mirror_with_clears, &[Shadow(2048)])],
+    ),
     Graph::new("native-light-volumes", TALL, Separate, &[(native::light_volumes, MIRRORS)]),
     Graph::new("native-light-volumes-square", SQUARE, Separate, &[(native::light_volumes, ALL_SQUARE)]),
     Graph::new("native-visibility", SQUARE, Separate, &[(native::visibility, &[Evsm(2048), Planar(1024)])]),

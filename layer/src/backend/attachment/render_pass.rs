@@ -6,6 +6,7 @@ pub use version1::convert;
 
 use super::capabilities::RateCapabilities;
 use crate::abi::copies::{Copies, find, slice};
+use crate::pass_detection::holds_colours;
 use ash::vk;
 
 /// The additions to a render pass, and to each that is compatible with it.
@@ -63,10 +64,14 @@ pub unsafe fn with_rates<'c>(
         .attachment(index)
         .layout(vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR);
     let reference = (index, copies.one(reference).cast_const());
-    let attached: Vec<_> = subpasses
-        .iter()
+    // SAFETY: as above.
+    let is_post = |number: usize| unsafe { is_post_processing(number, subpasses, attachments) };
+    let attached: Vec<_> = (0..)
+        .zip(subpasses)
         // SAFETY: as above.
-        .map(|subpass| unsafe { attach(subpass, reference, capabilities, copies) })
+        .map(|(number, subpass)| unsafe {
+            attach((subpass, is_post(number)), reference, capabilities, copies)
+        })
         .collect();
     let all: Vec<_> = attachments.iter().copied().chain([rate_attachment()]).collect();
     let views = subpasses.iter().fold(0, |all, subpass| all | subpass.view_mask);
@@ -93,13 +98,14 @@ fn rate_attachment() -> vk::AttachmentDescription2<'static> {
         .final_layout(layout)
 }
 
-/// A subpass that draws colour with the rate attachment, which is given by its number and a reference; another one preserves its content.
+/// A subpass that draws colour with the rate attachment, which is given by its number and a reference; another one, or one that processes a
+/// finished picture, preserves its content.
 ///
 /// # Safety
 ///
 /// The subpass is valid.
 unsafe fn attach<'c>(
-    subpass: &vk::SubpassDescription2<'c>,
+    (subpass, is_post): (&vk::SubpassDescription2<'c>, bool),
     (index, reference): (u32, *const vk::AttachmentReference2<'c>),
     capabilities: &RateCapabilities,
     copies: &mut Copies<'_>,
@@ -109,7 +115,7 @@ unsafe fn attach<'c>(
     // SAFETY: the subpass is valid, as `# Safety` demands, with so many preserved attachments.
     let (draws, preserved) = unsafe {
         let preserved = slice(subpass.p_preserve_attachments, subpass.preserve_attachment_count);
-        (draws_colour(subpass), preserved)
+        (draws_colour(subpass) && !is_post, preserved)
     };
     if !draws {
         let all: Vec<u32> = preserved.iter().copied().chain([index]).collect();
@@ -132,6 +138,36 @@ unsafe fn attach<'c>(
         }
     };
     attached
+}
+
+/// Whether a subpass without depth reads nothing but one picture of an earlier subpass: it maps tones, as the second subpass of Godot's
+/// and Unreal's mobile renderers does, and coarse rates would only lose detail. A G-buffer has several images, and a visibility buffer no colours.
+///
+/// # Safety
+///
+/// The subpasses are valid.
+unsafe fn is_post_processing(
+    number: usize,
+    subpasses: &[vk::SubpassDescription2<'_>],
+    attachments: &[vk::AttachmentDescription2<'_>],
+) -> bool {
+    let used = |reference: &vk::AttachmentReference2<'_>| reference.attachment != vk::ATTACHMENT_UNUSED;
+    let subpass = &subpasses[number];
+    // SAFETY: a valid subpass has so many references, or null.
+    let (inputs, depth) = unsafe {
+        let inputs = slice(subpass.p_input_attachments, subpass.input_attachment_count);
+        (inputs, subpass.p_depth_stencil_attachment.as_ref())
+    };
+    let mut inputs = inputs.iter().filter(|input| used(input));
+    let (Some(input), None) = (inputs.next(), inputs.next()) else { return false };
+    let is_drawn = |earlier: &vk::SubpassDescription2<'_>| {
+        // SAFETY: as above.
+        let colours = unsafe { slice(earlier.p_color_attachments, earlier.color_attachment_count) };
+        colours.iter().any(|colour| colour.attachment == input.attachment)
+    };
+    let holds_colours =
+        attachments.get(input.attachment as usize).is_some_and(|input| holds_colours(input.format));
+    !depth.is_some_and(used) && holds_colours && subpasses[..number].iter().any(is_drawn)
 }
 
 /// Whether a subpass has a rate attachment of the application's.

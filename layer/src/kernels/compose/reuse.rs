@@ -180,7 +180,7 @@ impl ReuseBuffers {
         Ok(placed)
     }
 
-    /// Writes the stale tiles of the earlier picture of an index, where parts of tiles are taken from it; returns their place.
+    /// Writes the stale tiles of the earlier picture of an index, where parts of tiles or borders are taken from it; returns their place.
     fn stale(
         &mut self,
         slot: SlotIndex,
@@ -189,7 +189,10 @@ impl ReuseBuffers {
         at: &mut u32,
     ) -> Result<u32, GpuError> {
         let picture = region.reuse.pictures().nth(index);
-        match picture.filter(|_| !region.lists.partial[index].is_empty()) {
+        let lists = region.lists;
+        let is_read =
+            !lists.partial[index].is_empty() || lists.seam[index].iter().any(|seam| !seam.is_empty());
+        match picture.filter(|_| is_read) {
             Some(picture) => self.write(slot, picture.stale.words(), at),
             None => Ok(0),
         }

@@ -98,7 +98,7 @@ fn fit(size: [f32; 2], picture: [f32; 2]) -> Result<(), Unmatched> {
 
 /// Whether a format has red, green and blue that are no integers. Fewer components hold depths, masks, velocities;
 /// integers hold identities.
-pub(super) fn holds_colours(format: vk::Format) -> bool {
+pub fn holds_colours(format: vk::Format) -> bool {
     matches!(
         format,
         vk::Format::R5G6B5_UNORM_PACK16

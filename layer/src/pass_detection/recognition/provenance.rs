@@ -179,6 +179,9 @@ impl Provenance {
             self.nodes[index].kind = kind;
             if kind == Kind::Camera {
                 self.nodes[index].group = self.groups.join(index, pass);
+            } else if kind == Kind::Other && pass.facts.clears_depth {
+                // The next camera with that depth, which loads it, is another one.
+                self.groups.leave_depth(pass);
             }
         }
     }

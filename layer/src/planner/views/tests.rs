@@ -155,6 +155,22 @@ fn dynamic_resolution_keeps_the_tiles() {
     }
 }
 
+/// An application sets its render scale after its first frames.
+#[test]
+fn an_extent_that_stays_is_planned_with() {
+    let mut views = known();
+    let mut show = |extent| {
+        views.shown(&shown(canted(Quat::IDENTITY), extent));
+        views.eyes().unwrap()[0].extent
+    };
+    for frame in 0..600 {
+        let extent = [[900, 800], [910, 810]][frame / 20 % 2];
+        assert_eq!(show(extent), [1000, 900], "dynamic resolution, frame {frame}");
+    }
+    let last = (0..90).map(|_| show([950, 850])).collect::<Vec<_>>();
+    assert_eq!((last[30], last[89]), ([1000, 900], [950, 850]));
+}
+
 #[test]
 fn one_view_is_the_left_eye() {
     let mut views = known();

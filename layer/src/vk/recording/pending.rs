@@ -172,6 +172,10 @@ pub unsafe extern "system" fn wait_events(
         |known, next| {
             // SAFETY: valid usage demands so many barriers of images.
             let images = unsafe { slice(images, count) };
+            if let Some(known) = &known {
+                // SAFETY: the command buffer is recording, by valid usage.
+                unsafe { timed::work_begins(known, handle) };
+            }
             if let Some(known) = known.as_ref().filter(|_| count > 0) {
                 // SAFETY: the command buffer is recording, by valid usage.
                 unsafe { known.fill_for(handle, barriers(images)) };
@@ -199,6 +203,8 @@ pub unsafe extern "system" fn wait_events2(
         // SAFETY: valid usage demands a structure for each event.
         let infos = unsafe { slice(infos, count) };
         if let Some(known) = &known {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { timed::work_begins(known, handle) };
             for info in infos {
                 // SAFETY: the structure is valid, and the command buffer recording, by valid usage.
                 unsafe { known.fill_for(handle, barriers2(info)) };

@@ -6,6 +6,7 @@ use crate::pass_detection::Event;
 use crate::vk::dispatch::armed_hook;
 use crate::vk::newer as types;
 use crate::vk::recording::{self, Buffer};
+use crate::vk::timing::Timer;
 use std::sync::Arc;
 
 /// A device with rates, and a command buffer of it that is kept.
@@ -145,4 +146,48 @@ fn waits_for_events_leave_layouts_as_barriers_do() {
         let expected = [(image, Layout::GENERAL), (image, Layout::COLOR_ATTACHMENT_OPTIMAL)];
         assert_eq!(buffer.recorded().layouts[..], expected);
     });
+}
+
+/// A device that takes any call and does nothing.
+fn idle_device() -> ash::Device {
+    /// # Safety
+    ///
+    /// None.
+    unsafe extern "system" fn nothing() -> vk::Result {
+        vk::Result::SUCCESS
+    }
+    // SAFETY: called with any arguments, the function ignores them, and returns success.
+    unsafe { ash::Device::load_with(|_| nothing as *const c_void, vk::Device::null()) }
+}
+
+/// Command buffers of compute alone have no passes, and the GPU's time in them counts all the same.
+#[test]
+fn dispatches_and_waits_begin_the_time_of_a_command_buffer() {
+    let idle = idle_device();
+    let dispatch = hook!(c"vkCmdDispatch": PFN_vkCmdDispatch);
+    let base = hook!(c"vkCmdDispatchBase": PFN_vkCmdDispatchBase);
+    let indirect = hook!(c"vkCmdDispatchIndirect": PFN_vkCmdDispatchIndirect);
+    let wait = hook!(c"vkCmdWaitEvents2": PFN_vkCmdWaitEvents2);
+    let event = vk::Event::from_raw(1);
+    let info = vk::DependencyInfo::default();
+    // SAFETY: the command buffer is live, and the arguments are valid or not read.
+    let works: [&dyn Fn(vk::CommandBuffer); 4] = unsafe {
+        [
+            &move |handle| dispatch(handle, 1, 1, 1),
+            &move |handle| base(handle, 0, 0, 0, 1, 1, 1),
+            &move |handle| indirect(handle, vk::Buffer::null(), 0),
+            &move |handle| wait(handle, 1, &event, &info),
+        ]
+    };
+    for work in works {
+        with_command_buffer(|handle, buffer| {
+            // SAFETY: the device is never destroyed.
+            buffer.recorded().timer = unsafe { Timer::of_tests(&idle) };
+            for is_wanted in [false, true] {
+                buffer.armed.timing.set_wanted(is_wanted);
+                work(handle);
+                assert_eq!(buffer.recorded().timer.is_open(), is_wanted);
+            }
+        });
+    }
 }

@@ -1,6 +1,7 @@
 //! The application's input, as far as ours has to fit in.
 
 use super::gaze_action::{self, Wanted};
+use crate::abi::copies::slice;
 use crate::xr::instance::Instance;
 use openxr_sys as xr;
 use std::ffi::{CStr, CString, c_char};
@@ -46,12 +47,7 @@ impl Suggested {
     /// `suggestion` is valid.
     pub unsafe fn read(instance: &Instance, suggestion: &xr::InteractionProfileSuggestedBinding) -> Self {
         // SAFETY: the structure is valid, as `# Safety` demands: an array of that many bindings.
-        let bindings = unsafe {
-            std::slice::from_raw_parts(
-                suggestion.suggested_bindings,
-                suggestion.count_suggested_bindings as usize,
-            )
-        };
+        let bindings = unsafe { slice(suggestion.suggested_bindings, suggestion.count_suggested_bindings) };
         let mut users: Vec<_> =
             bindings.iter().filter_map(|binding| user_of(instance, binding.binding)).collect();
         users.sort_unstable();

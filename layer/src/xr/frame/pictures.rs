@@ -10,14 +10,15 @@ use glam::Quat;
 use openxr_sys::Handle;
 
 /// Passes the Vulkan half the new pictures of the eyes in this frame, which our work has written on the session's queue, before their image
-/// is the runtime's again; none if their contrast does not count.
+/// is the runtime's again; none if their contrast does not count, or no pass gets rates.
 ///
 /// # Safety
 ///
 /// This thread may use the session's queue.
 pub unsafe fn notify(frame: &FrameEnd, works: &[Work]) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
-    if !wants_contrast(config, active.device.is_cpu()) || active.health() != Health::Works {
+    let counts = wants_contrast(config, active.device.is_cpu()) && active.plan.has_rates();
+    if !counts || active.health() != Health::Works {
         return;
     }
     let Some(scene) = submission.only_projection() else { return };

@@ -1,6 +1,7 @@
 //! Suggestions, and states of actions.
 
 use super::Offer;
+use crate::abi::copies::slice;
 use crate::abi::guard;
 use crate::xr::instance::{Instance, any_offering};
 use crate::xr::session::{self, Session};
@@ -88,16 +89,8 @@ pub unsafe fn note_suggestion(instance: &Instance, suggestion: &xr::InteractionP
 ///
 /// `suggestion` is valid.
 unsafe fn bindings(suggestion: &xr::InteractionProfileSuggestedBinding) -> &[xr::ActionSuggestedBinding] {
-    if suggestion.suggested_bindings.is_null() {
-        return &[];
-    }
     // SAFETY: valid usage, as `# Safety` demands: an array of that many bindings.
-    unsafe {
-        std::slice::from_raw_parts(
-            suggestion.suggested_bindings,
-            suggestion.count_suggested_bindings as usize,
-        )
-    }
+    unsafe { slice(suggestion.suggested_bindings, suggestion.count_suggested_bindings) }
 }
 
 /// Takes note of action sets that were attached.

@@ -90,6 +90,26 @@ pub(crate) fn pooled_mirror(frame: &mut Frame<'_>, textures: &[Texture]) {
     draw_all_late(frame, textures);
 }
 
+/// The same with each depth cleared by a pass of its own, as DXVK clears views that the next framebuffer lacks.
+pub(crate) fn pooled_mirror_with_clears(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let mut sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let depth = frame.image("depth", 0, size, DEPTH);
+    let color = frame.image("bright", 0, size, HDR);
+    let mirror = frame.image("mirror", 90, size, LDR);
+    frame.add(Step::depth_only("clear", Truth::Texture, depth));
+    frame.add(Step::new("mirror", Truth::Texture, &[color]).loads(depth).meshes(120, &sampled));
+    frame.add(Step::new("tone-map mirror", Truth::Texture, &[mirror]).full_screen(&[color]));
+    sampled.push(mirror);
+    for view in 0..2 {
+        frame.add(Step::depth_only("clear", Truth::Texture, depth));
+        frame.add(Step::new("scene", IsEye(eye_of(view)), &[color]).loads(depth).meshes(300, &sampled));
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("tone-map", FullScreen, &[swapchain]).full_screen(&[color]));
+    }
+    draw_all_late(frame, textures);
+}
+
 /// A visor over the picture: a page without depth, composed by the tone mapping, at the size of the scene.
 pub(crate) fn visor(frame: &mut Frame<'_>, textures: &[Texture]) {
     let sampled = draw_all(frame, textures);

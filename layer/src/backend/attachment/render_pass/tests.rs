@@ -94,3 +94,32 @@ fn passes_with_rates_of_their_own_or_without_colour_are_left_alone() {
     let nothing = vk::SubpassDescription2::default().color_attachments(&unused);
     check(&[prepares, nothing], |result| assert_eq!(result.unwrap_err(), LeftAlone::NoColour));
 }
+
+/// Godot's mobile renderer: the second subpass reads the scene as an input attachment, and maps its tones.
+#[test]
+fn a_subpass_that_maps_tones_stays_at_full_rate() {
+    let (scene, picture, depth) = ([reference(0)], [reference(1)], reference(1));
+    let draws = vk::SubpassDescription2::default().color_attachments(&scene);
+    let maps = vk::SubpassDescription2::default().color_attachments(&picture).input_attachments(&scene);
+    let both = [reference(0), reference(1)];
+    let lights = vk::SubpassDescription2::default().color_attachments(&picture).input_attachments(&both);
+    let draws_on = maps.depth_stencil_attachment(&depth);
+    for (second, obeys) in [(maps, false), (lights, true), (draws_on, true)] {
+        check(&[draws, second], |result| {
+            let (info, _) = result.unwrap();
+            // SAFETY: the structures are valid, with so many elements in their arrays.
+            unsafe {
+                let [first, second] = slice(info.p_subpasses, info.subpass_count) else { panic!() };
+                assert!(find::<Rates<'_>>(first.p_next).is_some());
+                assert_eq!(find::<Rates<'_>>(second.p_next).is_some(), obeys);
+                let preserved = slice(second.p_preserve_attachments, second.preserve_attachment_count);
+                assert_eq!(preserved.contains(&2), !obeys);
+            }
+        });
+    }
+    // It reads what no earlier subpass has drawn.
+    check(&[maps, draws], |result| {
+        // SAFETY: as above.
+        unsafe { assert!(find::<Rates<'_>>((*result.unwrap().0.p_subpasses).p_next).is_some()) };
+    });
+}

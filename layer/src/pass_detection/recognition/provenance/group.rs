@@ -62,6 +62,11 @@ impl Groups {
         self.depths.iter().rev().find(|(known, _)| known == depth).map(|(_, group)| *group)
     }
 
+    /// A pass without draws clears its depth: no camera goes on with that.
+    pub(super) fn leave_depth(&mut self, pass: &Pass) {
+        self.depths.retain(|(known, _)| Some(*known) != pass.depth);
+    }
+
     /// Adds a pass to the camera that it goes on with, or to one of its own.
     pub(super) fn join(&mut self, index: usize, pass: &Pass) -> usize {
         let color = pass.colors.first().copied();

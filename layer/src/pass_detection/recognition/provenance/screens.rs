@@ -41,35 +41,58 @@ impl Provenance {
             Origins::Known { sources, has_unknown } => (sources, *has_unknown),
             Origins::Unasked | Origins::Open => (&no_sources, draws.read_by_quads.may_read_more),
         };
-        if sources.is_empty() && has_unknown {
-            return self.role_of_unknown(index, pass, events, known);
-        }
-        if sources.is_empty() || !sources.iter().all(|source| is_eye(*source)) {
-            return Role::Unknown;
+        if sources.is_empty() {
+            return self.role_of_unknown((index, pass), has_unknown, events, known);
         }
         let reads = draws.read_by_quads.images.iter().chain(&draws.read_by_meshes.images);
-        let drawn: SmallVec<[ImageKey; 8]> =
-            reads.copied().filter(|image| self.is_drawn_by(*image, sources, events)).collect();
-        match !drawn.is_empty() && known.is_shading(drawn.into_iter()) {
-            true => Role::Eye,
-            false => Role::FullScreen,
+        let drawn_by = |sources: &Sources| -> SmallVec<[ImageKey; 8]> {
+            reads.clone().copied().filter(|image| self.is_drawn_by(*image, sources, events)).collect()
+        };
+        let shows = |drawn: SmallVec<[ImageKey; 8]>| drawn.is_empty() || !known.is_shading(drawn.into_iter());
+        if sources.iter().all(|source| is_eye(*source)) {
+            return if shows(drawn_by(sources)) { Role::FullScreen } else { Role::Eye };
         }
+        // The picture of a camera that may be the scene's, or a mirror.
+        let is_ambiguous = |source: &usize| {
+            let group = &self.groups.all[*source];
+            group.role() == Role::Ambiguous && !group.is_direct
+        };
+        let ambiguous: Sources = sources.iter().copied().filter(is_ambiguous).collect();
+        let drawn = drawn_by(&ambiguous);
+        if !drawn.is_empty() && shows(drawn) { Role::FullScreen } else { Role::Unknown }
     }
 
-    /// The role of a full-screen pass with unknown reads.
-    fn role_of_unknown(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> Role {
-        let is_off_screen = |group: &Group| group.role() == Role::Eye && !group.is_direct;
-        if !self.groups.all.iter().any(|group| is_off_screen(group) && group.passes[0] < index) {
+    /// The role of a full-screen pass without known sources. Behind cameras that may be the scene's, it shades the scene if its unknown reads may
+    /// be those of lighting; else it shows the scene, or draws over it.
+    fn role_of_unknown(
+        &self,
+        (index, pass): (usize, &Pass),
+        has_unknown: bool,
+        events: &[Event],
+        known: &Known<'_>,
+    ) -> Role {
+        let may_be_eye = |group: &Group| group.role() == Role::Eye || group.looks_like_eye(events, known);
+        let is_off_screen = |group: &Group| !group.is_direct && group.passes[0] < index && may_be_eye(group);
+        // One picture, which compute has written: several images, or none that holds colours, may be those of lighting.
+        let shows_one = || {
+            let draws = pass.draws.iter();
+            let reads =
+                draws.flat_map(|draws| draws.read_by_quads.images.iter().chain(&draws.read_by_meshes.images));
+            self.nodes[index].writes_picture && !known.is_shading(reads.copied())
+        };
+        if !(has_unknown || shows_one()) || !self.groups.all.iter().any(is_off_screen) {
             return Role::Unknown;
         }
         let is_other = |group: &Group| group.role() != Role::Eye && group.looks_like_eye(events, known);
         let is_alone = || !self.groups.all.iter().any(is_other);
-        let shades =
-            self.may_shade(index, pass, events, known) && (self.nodes[index].writes_picture || is_alone());
+        let shades = has_unknown
+            && self.may_shade(index, pass, events, known)
+            && (self.nodes[index].writes_picture || is_alone());
         if shades { Role::Eye } else { Role::FullScreen }
     }
 
-    /// Whether a full-screen pass with unknown reads may shade the scene: it is the first after the G-buffer of an eye.
+    /// Whether a full-screen pass with unknown reads may shade the scene: it is the first after the G-buffer of an eye, and no camera of an eye
+    /// has drawn lit colours since then.
     fn may_shade(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> bool {
         let (mut passes_between, mut buffers) = (0, 0);
         for (earlier, event) in events[..index].iter().enumerate().rev() {
@@ -78,6 +101,9 @@ impl Provenance {
                 Kind::Camera => {
                     let is_eye = self.groups.all[self.nodes[earlier].group].role() == Role::Eye;
                     let colors = || other.colors.iter().map(|target| target.image);
+                    if is_eye && buffers == 0 && !other.colors.is_empty() && !known.is_shading(colors()) {
+                        return false;
+                    }
                     buffers += usize::from(is_eye && !other.colors.is_empty() && known.is_shading(colors()));
                 }
                 Kind::Screen { .. } if buffers > 0 => break,
