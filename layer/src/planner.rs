@@ -139,7 +139,7 @@ impl Planning {
         self.frame_rate.frame_at(time_ns, count);
     }
 
-    /// Sets the techniques of the uploaded maps, of all that is planned: the other half gets them from now on.
+    /// Sets the planned techniques whose maps are uploaded from now on.
     ///
     /// Neither technique, and no use for costs of frames, means that the gates rest: maps without a receiver are not planned. Costs are
     /// requested from the beginning of a trial on, whose first stretch is without the technique: rates become coarse within it.

@@ -42,7 +42,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thread::PlanThread;
 use views::{plan, watch};
 
-/// Numbers of plans rise in all sessions alike: one device may have one session after the other.
+/// Serial of the newest plan, counted over all sessions: one device can have several sessions in sequence.
 static SERIAL: AtomicU64 = AtomicU64::new(0);
 
 /// No time yet.
@@ -71,7 +71,7 @@ pub struct SessionPlan {
 /// The frame that xrBeginFrame began last.
 #[derive(Clone, Debug)]
 struct Frame {
-    /// The configuration of all that is done for it.
+    /// Configuration of the frame.
     config: Arc<ConfigSnapshot>,
     /// Its display time; `None` before the first.
     time: Option<xr::Time>,
@@ -170,7 +170,7 @@ impl SessionPlan {
         *self.feedback.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes whether passes of the last frame read pictures of earlier frames.
+    /// Notes whether passes of the last frame read eye buffers of earlier frames.
     fn take_feedback(&self, config: &Config, feedback: Feedback) {
         let before =
             std::mem::replace(&mut *self.feedback.lock().unwrap_or_else(PoisonError::into_inner), feedback);
@@ -183,7 +183,7 @@ impl SessionPlan {
         self.thread.work_in_progress().has_failed()
     }
 
-    /// The session runs from now on, or no more: without frames there is no newer plan, so passes get no rates.
+    /// Sets whether the session runs. Without frames no newer plan arrives, so passes get no rates.
     pub fn set_running(&self, active: &Active, is_running: bool) {
         self.is_running.store(is_running, Ordering::Relaxed);
         self.sleep.wake();
