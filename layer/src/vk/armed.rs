@@ -100,8 +100,8 @@ impl Armed {
         self.backend.is_some()
     }
 
-    /// Whether the runtime's own commands and objects on this thread are of no use: a pass of it has no mask, but with rate attachments a map, which must
-    /// be initialised.
+    /// Whether commands and objects of the runtime on this thread need no tracking: with rate attachments they do, because their rate images
+    /// must be initialised.
     pub fn ignores_runtime(&self) -> bool {
         self.rate_attachments.is_none() && runtime_section::in_runtime_section()
     }

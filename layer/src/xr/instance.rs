@@ -75,7 +75,7 @@ pub fn next_of_any() -> Option<Next> {
     Some(any_hooked()?.next)
 }
 
-/// The instance of a handle of which only its parent's is known here: as above.
+/// Any instance that is not inert, for a handle whose instance is not tracked here.
 pub fn any_hooked() -> Option<Arc<Instance>> {
     INSTANCES.find_map(|known| known.hooked.clone())
 }

@@ -297,8 +297,8 @@ impl<'a> Patch<'a> {
         Ok(())
     }
 
-    /// The outputs of the entry point to attachments, each with a zero of its type. Built-ins stay: who changes coverage by them does not
-    /// return early where that counts.
+    /// The outputs of the entry point to attachments, each with a zero of its type. Built-ins stay: a shader that changes coverage by them
+    /// does not return early where coverage counts.
     fn outputs(&mut self, parsed: &Parsed<'_>) -> Vec<(u32, u32)> {
         let interface = self.entry.interface.clone();
         let colors = interface.into_iter().filter(|id| {
@@ -334,7 +334,7 @@ impl<'a> Patch<'a> {
         let mut out = parsed.header(self.bound);
         if self.wanted.by_view && !has_capability {
             if self.version < VERSION_1_3 {
-                // It would need an extension, whose place is elsewhere; who draws with views has newer modules.
+                // It would need an extension, whose place is elsewhere; shaders for multiview are newer modules.
                 return Err(NoEarlyReturn::Unknown);
             }
             out.push(op::CAPABILITY, &[CAPABILITY_MULTI_VIEW]);

@@ -169,7 +169,7 @@ unsafe fn draw_over(
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
     match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {
         Ok(true) => *drawn = Some((view, *frame)),
-        // The device is behind: this frame goes without.
+        // The device is behind: this frame has no overlay.
         Ok(false) | Err(GpuError::Timeout) => {}
         Err(error) => {
             *has_failed = true;

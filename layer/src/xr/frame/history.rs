@@ -297,7 +297,7 @@ impl EyeHistory {
         self.has_moved = goes_on && was_in != Some(shown.space);
         self.of = Some((shown.substitute, shown.space));
         match self.pictures.first_mut().filter(|_| self.len > 0) {
-            // The same picture again, wherever it is said to have been seen from.
+            // The same picture again, even if it is submitted with another pose.
             Some(newest) if newest.release == shown.release => newest.time = shown.time,
             _ => self.push((shown, depth), stale),
         }

@@ -29,7 +29,7 @@ impl Depth {
         let Self::There { source, .. } = self else { return self };
         match source.copy(index) {
             Ok(turn) => Self::There { source, newest: Some(turn) },
-            // The device is behind: this picture goes without.
+            // The device is behind: this image has no depth copy.
             Err(GpuError::Timeout) => Self::There { source, newest: None },
             Err(error) => {
                 error.log("no reprojection with depth");
