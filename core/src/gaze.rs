@@ -32,7 +32,7 @@ pub struct GazeSample {
     /// Gaze directions of the left and the right eye, in the view space common to both eyes (+x right, +y up, -z forward), of any
     /// length. A direction that is zero or not finite means that this eye is not tracked.
     pub directions: [Vec3; 2],
-    /// When the eyes looked there, nanoseconds on any one clock (XrTime).
+    /// Time at which the eyes looked there, nanoseconds on any one clock (XrTime).
     pub time_ns: i64,
     /// Whether the tracker stands by it. When false, the directions are not read.
     pub valid: bool,

@@ -4,7 +4,7 @@ use crate::geometry::{Fov, rotation, unit_direction};
 use glam::{Quat, Vec3};
 use std::fmt;
 
-/// Why the newest answer of the eye tracker is not used.
+/// Reason why the newest answer of the eye tracker is not used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rejection {
     /// The tracker does not stand by it: a blink, most often.

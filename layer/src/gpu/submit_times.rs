@@ -13,7 +13,7 @@ pub(crate) struct SubmitTime {
     pub(crate) ns: u64,
 }
 
-/// When timestamps are written: when all before them is done.
+/// Stage at which timestamps are written: after all earlier commands.
 const DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
 
 /// The times of a ring of command buffers. Allocates nothing as long as they are taken.

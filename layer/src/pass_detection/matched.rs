@@ -74,7 +74,7 @@ impl fmt::Display for How {
     }
 }
 
-/// Why a pass is not the scene. `Display` completes "not the scene: ...".
+/// Reason why a pass is not the scene. `Display` completes "not the scene: ...".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Unmatched {
     /// No colour attachment: shadow maps, depth pre-passes.

@@ -38,12 +38,12 @@ pub struct Recognition {
     pass_history: PassHistory,
     listing: Listing,
     provenance: Provenance,
-    /// When cameras were last found that the picture comes from.
+    /// Number of the last frame in which cameras were found that the picture comes from.
     found_at: Option<u64>,
     /// Number of cameras that the last unknown reader may have read, and the first frame with this number.
     candidates: (usize, u64),
     feedback: FeedbackEvidence,
-    /// When the picture was last seen to be drawn without passes before it.
+    /// Number of the last frame in which the picture was drawn without passes before it.
     drawn_directly_at: Option<u64>,
     rules: PassRules,
 }
@@ -90,7 +90,7 @@ impl Recognition {
     ///
     /// # Errors
     ///
-    /// Why it is not the scene.
+    /// Reason why it is not the scene.
     pub fn of(
         &self,
         pass: &Pass,

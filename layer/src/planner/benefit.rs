@@ -9,7 +9,7 @@ use std::fmt;
 /// A frame that ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndedFrame {
-    /// When it is shown, nanoseconds.
+    /// Its display time, nanoseconds.
     pub time_ns: i64,
     /// The measure of its cost.
     pub clock: Clock,

@@ -5,7 +5,7 @@ use crate::config::{Config, GazeSource};
 use crate::inputs::gaze::Look;
 use crate::status::StatusSnapshot;
 
-/// When the tracker saw the eyes last.
+/// Time at which the tracker saw the eyes last.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LastLook {
     is_valid: bool,

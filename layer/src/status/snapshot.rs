@@ -62,7 +62,7 @@ pub struct StatusSnapshot {
     pub memory: u64,
     /// Device memory of the pictures that re-use keeps, bytes.
     pub reuse_memory: u64,
-    /// Why it keeps none of a swapchain.
+    /// Reason why it keeps none of a swapchain.
     pub reuse_refused: Option<HistoryTooLarge>,
     /// Whether colour is removed.
     pub attenuates_colour: bool,

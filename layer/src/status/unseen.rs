@@ -1,4 +1,4 @@
-//! Why an active session has no visible effect.
+//! Reasons why an active session has no visible effect.
 
 use super::{Decision, StatusSnapshot, Topic};
 use crate::config::{Config, GazeSource, chroma_settings, wants_maps, wants_reuse};

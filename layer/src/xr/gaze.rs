@@ -38,7 +38,7 @@ struct State {
     script: Option<Arc<GazeScript>>,
     record: FilePath,
     recording: Option<Recording>,
-    /// When the gaze was asked for first: the 0 of files.
+    /// Time at which the gaze was asked for first: the 0 of files.
     begin_ns: Option<i64>,
     osc: OscSource,
     auto: Auto,

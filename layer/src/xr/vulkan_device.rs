@@ -29,7 +29,7 @@ pub struct VulkanDevice {
     pub capabilities: CapabilitiesRecord,
 }
 
-/// Why a session's device is out of reach, so that the session stays inert.
+/// Reason why a session's device is out of reach, so that the session stays inert.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotLinked {
     /// The process has no libvulkan.so.1 loaded.

@@ -24,7 +24,7 @@ pub struct Manifest {
     pub content: Result<Vec<Layer>, Unusable>,
 }
 
-/// Why a loader skips a manifest.
+/// Reason why a loader skips a manifest.
 pub enum Unusable {
     /// It cannot be read.
     Unreadable(String),

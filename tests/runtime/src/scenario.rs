@@ -352,7 +352,7 @@ impl InputValue {
     }
 }
 
-/// Why a scenario cannot be used.
+/// Reason why a scenario cannot be used.
 #[derive(Debug)]
 pub struct ScenarioError {
     file: PathBuf,

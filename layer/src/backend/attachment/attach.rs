@@ -53,7 +53,7 @@ pub struct Rates {
 enum Attached {
     /// The image in it.
     Image(Arc<RateImage>),
-    /// When a render pass begins it gets an image of the same size, for its own target if there is one, or else this one.
+    /// A render pass that begins gets an image of the same size, for its own target if there is one, or else this one.
     Promised(Arc<RateImage>),
 }
 

@@ -58,7 +58,7 @@ impl Masks {
     ///
     /// # Errors
     ///
-    /// Why it has none.
+    /// Reason why it has none.
     pub(super) fn open(
         &self,
         (color, target): (Target, Option<&TargetMask>),

@@ -36,7 +36,7 @@ pub struct EarlyReturn<'a> {
     pub has_whole_subgroups: bool,
 }
 
-/// Why a shader cannot return early.
+/// Reason why a shader cannot return early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum NoEarlyReturn {
     /// It is no SPIR-V of a kind that is known.

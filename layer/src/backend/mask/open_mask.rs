@@ -33,7 +33,7 @@ pub struct Return {
     pub set: vk::DescriptorSet,
     /// Whether only those do that cover the same samples, with the same depth.
     pub keeps_coverage: bool,
-    /// Why there is no template.
+    /// Reason for a missing template.
     pub(super) instead: Unmasked,
 }
 
@@ -53,7 +53,7 @@ pub(super) struct OpenDepth {
 }
 
 impl OpenMask {
-    /// Why it has no template, if it has none.
+    /// Reason why it has no template, if it has none.
     pub(super) fn instead(&self) -> Option<Unmasked> {
         self.returns().map(|by| by.instead)
     }

@@ -71,7 +71,7 @@ struct PassEvidence {
     has_depth: bool,
     /// Whether a depth pre-pass was recorded to its end.
     has_prepass: bool,
-    /// Why the last depth pre-pass had no template, if there was one.
+    /// Reason why the last depth pre-pass had no template, if there was one.
     prepass_refusal: Option<Unmasked>,
     /// Fragment shaders that shall return early: of any kind, and such that keep their coverage.
     returns: [Wanted; 2],
@@ -147,7 +147,7 @@ impl TargetMask {
         self.seen().prepass_refusal = outcome.err();
     }
 
-    /// Why the last depth pre-pass had no template; None if it had, or there was none.
+    /// Reason why the last depth pre-pass had no template; None if it had, or there was none.
     pub(super) fn prepass_refusal(&self) -> Option<Unmasked> {
         self.seen().prepass_refusal
     }

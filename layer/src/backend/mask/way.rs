@@ -24,7 +24,7 @@ pub enum Way {
         /// Only shaders do that cover the same samples, with the same depth: depth is as without, and so are the counts of queries and the
         /// outcome of conditions.
         keeps_coverage: bool,
-        /// Why there is no template.
+        /// Reason for a missing template.
         instead: Unmasked,
     },
 }

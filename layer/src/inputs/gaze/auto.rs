@@ -40,7 +40,7 @@ impl Holder {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Auto {
     begun_ns: Option<i64>,
-    /// When the runtime's eye tracker saw the eyes last.
+    /// Time at which the runtime's eye tracker saw the eyes last.
     seen_ns: Option<i64>,
     misses_eyes: bool,
 }

@@ -22,7 +22,7 @@ struct Line {
     degrees: Option<[f32; 2]>,
 }
 
-/// Why a text is no gaze.
+/// Reason why a text is not a recording of the gaze.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GazeScriptError {
     /// A line that cannot be parsed.

@@ -45,7 +45,7 @@ struct Image {
     /// Roles of the passes that drew it, in their order.
     roles: Roles,
     flat_at: Option<u64>,
-    /// When it last became a picture of an eye, or a stage of it; None if it holds something else.
+    /// Last event that made it an eye buffer, or a stage of one; None if it holds something else.
     eye_picture: Option<EyePicture>,
 }
 
@@ -247,7 +247,7 @@ impl Memory {
         roles.map_or(Role::Unknown, |roles| roles.of(frame, has_depth, ordinal))
     }
 
-    /// When an image last became a picture of an eye.
+    /// Last event that made an image an eye buffer.
     pub(super) fn eye_picture(&self, image: ImageKey) -> Option<EyePicture> {
         self.images.get(&image)?.eye_picture
     }

@@ -15,7 +15,7 @@ pub struct Queries {
     latest: Mutex<Option<u64>>,
 }
 
-/// When timestamps are written: when all before them is done.
+/// Stage at which timestamps are written: after all earlier commands.
 const DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
 
 /// Two timestamps.

@@ -119,7 +119,7 @@ fn view(status: &Status) -> String {
     }
 }
 
-/// Why a requested view is not visible, as far as the status knows.
+/// Reason why a requested view is not visible, as far as the status knows.
 pub fn why_not_drawn(status: &Status) -> &'static str {
     match status.debug_view.name.as_str() {
         "gaze" if !status.gaze.is_valid => "no gaze",

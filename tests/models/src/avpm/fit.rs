@@ -50,7 +50,7 @@ pub struct Fit {
     pub rows: usize,
 }
 
-/// Why a study does not determine the coefficients.
+/// Reason why a study does not determine the coefficients.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FitError {
     /// A feature or score is NaN or infinite, or gamma_fq is not above 0.

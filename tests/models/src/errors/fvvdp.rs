@@ -21,7 +21,7 @@ const SCRIPT: &str = include_str!("fvvdp.py");
 const ASK: &str =
     "import numpy, torch, pyfvvdp; from importlib.metadata import version; print(version('pyfvvdp'))";
 
-/// Why there is no JOD.
+/// Reason why there is no JOD.
 #[derive(Debug, thiserror::Error)]
 pub enum FvvdpError {
     /// A missing file or program.
@@ -29,7 +29,7 @@ pub enum FvvdpError {
     Io {
         /// The command.
         what: String,
-        /// Why it failed.
+        /// Cause of the failure.
         #[source]
         source: io::Error,
     },

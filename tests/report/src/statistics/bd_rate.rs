@@ -10,7 +10,7 @@ pub struct RatePoint {
     pub psnr_db: f64,
 }
 
-/// Why there is no figure.
+/// Reason for a missing figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BdRateError {
     /// A size that has no logarithm, or a quality that is no number.

@@ -22,7 +22,7 @@ const LONGEST: usize = 1 << 20;
 /// The channel of messages that are no samples.
 const NO_CHANNEL: u32 = u32::MAX;
 
-/// Why a server is not listened to.
+/// Reason why a server is not listened to.
 #[derive(Debug, Error)]
 pub enum Fault {
     /// There is none.

@@ -114,7 +114,7 @@ pub struct Packet {
     pub implausible: u32,
 }
 
-/// Why bytes are no packet.
+/// Reason why bytes are not a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OscPacketError {
     /// More than [`MOST_BYTES`].
