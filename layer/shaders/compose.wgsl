@@ -382,7 +382,7 @@ fn whole_pixel(found: Found) -> vec4<f32> {
     return textureSampleLevel(source, between, found.at.xy / found.at.z, 0.0);
 }
 
-// A texel without weight does not count, even if it is no number.
+// A texel without weight does not count, even if it is not a number.
 fn weighted(found: Found, texel: vec2<f32>, weight: f32) -> vec4<f32> {
     return select(vec4(0.0), earlier_texel(found, texel), weight > 0.0) * weight;
 }

@@ -380,7 +380,7 @@ fn decided(tile: vec2<u32>, middle: vec2<f32>, chord: f32, before: Tile, sensiti
         let is_steady = before.age_ms >= STEADY_MS;
         keep = min(keep, level_within(visible, select(params.holding_budget, params.budget, is_steady)));
         grow = min(grow, level_within(visible, params.coarsening_budget));
-        // Contrast that is no number in one octave is not to be trusted in the others.
+        // Contrast that is not a number in one octave is not to be trusted in the others.
         let is_sound = shown.is_known && is_finite(shown.bands.z + shown.bands.w);
         if (is_steady && is_looked_at(index)) || !is_sound {
             keep = 0u;

@@ -178,7 +178,7 @@ impl Planning {
     }
 
     /// Takes the answer of the eye tracker for `time_ns`, with this orientation of the head. Returns the reason why it is rejected, once
-    /// for each reason; untracked eyes are no reason.
+    /// for each reason; untracked eyes are not a reason.
     pub fn look(&mut self, config: &Config, look: Look, head: Quat, time_ns: i64) -> Option<Rejection> {
         let settings = gaze_settings(config);
         if settings != self.gaze_settings {

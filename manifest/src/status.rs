@@ -192,7 +192,7 @@ pub struct Osc {
     pub packets: u64,
     /// Of these: no OSC, or too large.
     pub malformed: u64,
-    /// Messages about the eyes that are no gaze.
+    /// Messages about the eyes that are not a gaze.
     pub implausible: u64,
     /// Packets about the eyes, from another sender than the one in use.
     pub other_senders: u64,

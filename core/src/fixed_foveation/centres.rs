@@ -10,7 +10,7 @@ const AHEAD_DEG: f32 = 5.0;
 
 impl FixedFoveation {
     /// Centres of the rings for an unknown gaze: the optical axes of the left and of the right lens, unit vectors in the space
-    /// common to both views. `orientations` lead there from the views' own spaces; one that is no rotation counts as none.
+    /// common to both views. `orientations` lead there from the views' own spaces; an invalid one counts as none.
     ///
     /// A view of OpenXR looks along -z, where the tangents of its field of view are 0: there a lens is sharpest, and a picture has most pixels a
     /// degree. With canted displays (5 degrees outwards in a Valve Index, 10 in a Pimax) that is beside the head's forward direction, and

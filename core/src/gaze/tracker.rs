@@ -197,7 +197,7 @@ impl GazeTracker {
         match self.rejection {
             None => self.ended = false,
             Some(Rejection::Frozen) => self.source_ended(now_ns),
-            // One of these alone is no interruption; a stream of them is, as nothing else arrives.
+            // One of these alone is not an interruption; a stream of them is, as nothing else arrives.
             Some(Rejection::TooFast | Rejection::OutOfOrder) => {}
             Some(_) => {
                 if let Some(seen) = &mut self.seen {

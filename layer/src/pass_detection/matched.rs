@@ -8,7 +8,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
     /// Parts of its target, and the eye that each shows. They may lie over each other: then each pixel is both, and the finer rate holds.
-    /// A pixel in none of them is no eye's.
+    /// A pixel in none of them belongs to no eye.
     pub parts: SmallVec<[Part; 4]>,
     /// Evidence of the match.
     pub how: How,

@@ -28,7 +28,7 @@ pub struct Manifest {
 pub enum Unusable {
     /// It cannot be read.
     Unreadable(String),
-    /// It is no valid manifest.
+    /// It is not a valid manifest.
     Malformed(String),
 }
 

@@ -109,7 +109,7 @@ impl PassRules {
 impl FromStr for PassRules {
     type Err = PassRulesError;
 
-    /// Rules apart by semicolons; an empty text is no rules.
+    /// Rules apart by semicolons; an empty text stands for no rules.
     fn from_str(text: &str) -> Result<Self, PassRulesError> {
         let mut rules = Self::default();
         let mut places = rules.rules.iter_mut();

@@ -232,7 +232,7 @@ pub enum Answer {
     /// Its usual answer.
     #[default]
     Usual,
-    /// Poses that are no numbers, of `xrLocateViews` and `xrLocateSpace`.
+    /// Poses that are not numbers, of `xrLocateViews` and `xrLocateSpace`.
     Nan,
     /// Fields of view without extent, of `xrLocateViews`.
     ZeroFov,

@@ -95,7 +95,7 @@ pub(super) fn list_discarding_draws(has_holes: bool) {
 }
 
 /// Whether a creation may have failed because of our additions, so that it is worth repeating without them. Positive
-/// codes are no failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
+/// codes are not failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
 pub(super) fn may_be_ours(result: vk::Result) -> bool {
     result.as_raw() < 0 && result != vk::Result::ERROR_DEVICE_LOST
 }

@@ -20,7 +20,7 @@ use std::sync::atomic::Ordering;
 struct How {
     /// Whether anything is coarse, or only left out.
     coarsens: bool,
-    /// Whether it draws to several layers that are no views.
+    /// Whether it draws to several layers that are not views.
     is_layered: bool,
 }
 
@@ -147,7 +147,7 @@ impl Masks {
         let colors = attachments.color_facts(context.objects)?;
         let (map, way) = match way(&facts(&colors))? {
             Way::Template(eligible) => self.template(target, attachments, context, eligible)?,
-            // Of several layers that are no views, the shader does not know which it draws to.
+            // Of several layers that are not views, the shader does not know which it draws to.
             Way::Return { instead, .. } if how.is_layered => return Err(instead),
             Way::Return { keeps_coverage, instead } => {
                 self.early_return(target, context, keeps_coverage, instead)?

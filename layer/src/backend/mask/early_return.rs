@@ -138,7 +138,7 @@ impl<'a> Patch<'a> {
         self.bound - 1
     }
 
-    /// A type that the module has, or gets: types that are no aggregates must be declared once.
+    /// A type that the module has, or gets: types that are not aggregates must be declared once.
     fn declared(&mut self, parsed: &Parsed<'_>, op: u32, operands: &[u32]) -> u32 {
         let of_module =
             parsed.globals().find(|found| found.op == op && found.operands.get(1..) == Some(operands));

@@ -92,7 +92,7 @@ impl SampleTimes {
         let asked_ns = time_ns.saturating_sub(latency_ns).saturating_sub(age_ns);
         let sampled_ns = match self.newest {
             Some((known, sampled_ns, _)) if known == serial => sampled_ns,
-            // Frames are planned sooner or later before they are shown, which is no time between samples.
+            // Frames are planned sooner or later before they are shown, which is not a time between samples.
             Some((_, sampled_ns, before_ns)) if before_ns.saturating_sub(time_ns) < LONGEST_STEP_BACK_NS => {
                 asked_ns.max(sampled_ns.saturating_add(LEAST_APART_NS))
             }

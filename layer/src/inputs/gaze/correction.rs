@@ -142,7 +142,7 @@ impl GazeCorrecting {
         self.state().corrected(source, look)
     }
 
-    /// Takes the phase of the gaze by a corrected `look`, for a frame that is shown at `time_ns`. Looks at dots are no drift.
+    /// Takes the phase of the gaze by a corrected `look`, for a frame that is shown at `time_ns`. Looks at dots are not drift.
     pub fn note_phase(&self, source: Holder, look: Look, phase: GazePhase, time_ns: i64) {
         let mut state = self.state();
         if state.drifting != source {

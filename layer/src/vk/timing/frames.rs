@@ -46,7 +46,7 @@ struct Frame {
     pending: u32,
     /// Whether some will never be.
     is_incomplete: bool,
-    /// Whether a command buffer of the application was among them: our own work alone is no frame.
+    /// Whether a command buffer of the application was among them: our own work alone is not a frame.
     has_application: bool,
 }
 
@@ -130,7 +130,7 @@ impl Frame {
     }
 }
 
-/// Steps in which at least one of the intervals lasts. Pauses between them are no time spent: the application's threads are late there.
+/// Steps in which at least one of the intervals lasts. Pauses between them are not time spent: the application's threads are late there.
 ///
 /// Timestamps of all queues of a device are of one clock (`VK_TIME_DOMAIN_DEVICE_KHR`, Vulkan specification, Time Domains).
 fn steps_of_any(intervals: &mut [(Work, Interval)]) -> u64 {

@@ -49,7 +49,7 @@ impl<T> In<T> {
         self.0
     }
 
-    /// Target of a pointer that is no structure with a type.
+    /// Target of a pointer that is not a structure with a type.
     pub fn copied(&self, name: &str) -> Result<T, Fault>
     where
         T: Copy,

@@ -19,7 +19,7 @@ const ROOM: usize = 1 << 16;
 /// The longest message that is taken.
 const LONGEST: usize = 1 << 20;
 
-/// The channel of messages that are no samples.
+/// The channel of messages that are not samples.
 const NO_CHANNEL: u32 = u32::MAX;
 
 /// Reason why a server is not listened to.

@@ -36,7 +36,7 @@ pub struct OscCounts {
     pub other_senders: u64,
     /// Of these: older than the one before, by the sender's own time.
     pub late: u64,
-    /// Messages about the eyes that are no gaze: of other arguments, not finite, or out of reach.
+    /// Messages about the eyes that are not a gaze: of other arguments, not finite, or out of reach.
     pub implausible: u64,
     /// Intervals of time in which more packets arrived than are read.
     pub floods: u64,
