@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_rotation_is_ahead() {
+    fn an_invalid_orientation_gives_the_forward_direction() {
         let map = FixedFoveation::WITHOUT_TRACKER;
         for orientation in [Quat::from_array([0.0; 4]), Quat::from_array([f32::NAN; 4])] {
             assert_eq!(map.lens_centres([orientation; 2]), [Vec3::NEG_Z; 2]);

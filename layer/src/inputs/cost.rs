@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_asks_for_is_dropped() {
+    fn unrequested_costs_are_dropped() {
         let mut costs = GpuCosts::default();
         for frame in 0..100 {
             costs.add(time(frame, 1));

@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_rotation_is_refused() {
+    fn invalid_quaternions_are_refused() {
         assert_eq!(rotation(0.0, 0.0, 0.0, 0.0), None);
         assert_eq!(rotation(f32::NAN, 0.0, 0.0, 1.0), None);
         assert_eq!(rotation(0.0, 0.0, 0.0, 1.1), Some(Quat::IDENTITY));

@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn what_costs_more_is_dropped_and_another_scene_judged_anew() {
+    fn a_slower_technique_is_dropped_and_a_new_scene_has_a_trial() {
         let (mut benefit, mut clock) = (judging_rates(), (0, 0));
         let said = run(&mut benefit, &mut clock, 200, 2, 1.3);
         assert_eq!((said.len(), benefit.is_on().rates), (1, false));

@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_rendered_in_each_frame_anyhow_is_not_watched() {
+    fn directions_of_every_frame_are_not_watched() {
         let cosine = 9.1f32.to_radians().cos();
         let ahead = Watched { orientation: Quat::IDENTITY, centres: [Vec3::NEG_Z, Vec3::NEG_Z], cosine };
         for (angle_deg, is_watched) in [(0.0f32, false), (8.9, false), (9.3, true), (40.0, true)] {
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn what_any_period_renders_is_watched_in_both_eyes() {
+    fn directions_of_any_period_are_watched_in_both_eyes() {
         for (period, first) in (1..=9).flat_map(|period| (0..period).map(move |first| (period, first))) {
             let turns: Vec<usize> = (0..26).map(|turn| eye_watched_in(first + period * turn)).collect();
             for eye in [0, 1] {

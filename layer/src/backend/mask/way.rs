@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_filled_is_left_alone() {
+    fn targets_that_cannot_be_filled_get_no_mask() {
         let format = vk::Format::R32_UINT;
         let identifiers = ColorFacts { format, ..color() };
         assert_eq!(of(None, false, KEEPING, identifiers), Err(Unmasked::ColorFormat(format)));

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_leaves_the_frame_out() {
+    fn unreadable_timestamps_drop_the_frame() {
         let mut times = FrameTimes::default();
         (0..4).for_each(|frame| times.submitted(frame, Application));
         times.read(0, Application, None);
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn what_never_comes_is_forgotten() {
+    fn missing_timestamps_are_forgotten() {
         let mut times = FrameTimes::default();
         for frame in 0..100 {
             times.submitted(frame, Application);

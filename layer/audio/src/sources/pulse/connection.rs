@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_no_server_there_is_none() {
+    fn a_missing_server_gives_no_connection() {
         let fault = Connection::open(Path::new("/nowhere/native"), Vec::new(), Duration::ZERO).err().unwrap();
         assert!(fault.is_absence());
     }

@@ -78,7 +78,7 @@ fn a_render_area_that_moves_leaves_nothing_behind() {
 }
 
 #[test]
-fn where_a_pass_that_is_unknown_draws_over_the_scene_all_is_1x1() {
+fn an_unknown_pass_over_the_scene_sets_1x1() {
     let mut content = Content::default();
     note(&mut content, 1, AREA, &full());
     note(&mut content, 1, [10, 10, 5, 5], &[]);
@@ -99,7 +99,7 @@ fn many_rectangles_are_too_many() {
 }
 
 #[test]
-fn what_is_left_out_is_known_of_the_eyes_that_are_shown() {
+fn stale_tiles_are_known_for_shown_eyes() {
     let mut content = Content::default();
     note(&mut content, 1, AREA, &full());
     assert!(!content.leaves_out());
@@ -135,7 +135,7 @@ fn a_target_on_two_queues_is_not_written_any_more_but_to_shade_all() {
 }
 
 #[test]
-fn what_is_on_the_gpu_already_is_no_news() {
+fn an_unchanged_map_is_not_uploaded() {
     let mut content = Content::initialised();
     let (some, others) = ([STALE, 0], [0, STALE]);
     assert!(content.resolve(AREA, &full(), &mut some.to_vec()));

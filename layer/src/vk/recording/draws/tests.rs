@@ -38,7 +38,7 @@ fn draws_of_untracked_commands_need_no_look_up() {
 }
 
 #[test]
-fn what_is_bound_is_told_once_by_kind_of_draw() {
+fn bound_sets_are_noted_once_per_kind_of_draw() {
     let this = vk::CommandBuffer::from_raw(3);
     let [quad, mesh] = [Counts::of(3, 1), Counts::of(30, 1)];
     OPEN.with(|open| {

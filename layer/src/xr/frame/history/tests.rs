@@ -79,7 +79,7 @@ fn pictures_are_kept_as_long_as_they_can_be_used() {
 }
 
 #[test]
-fn what_does_not_belong_together_begins_anew() {
+fn unrelated_pictures_begin_a_new_history() {
     let later = |ns: i64| xr::Time::from_nanos(2 * FRAME_NS + ns);
     let next = shown(3);
     for (what, picture) in [
@@ -107,7 +107,7 @@ fn what_does_not_belong_together_begins_anew() {
 }
 
 #[test]
-fn what_was_rendered_is_compared() {
+fn rendered_tiles_are_compared() {
     let mut history = History::default();
     let still = |number: u64| ShownPicture { view: shown(1).view, ..shown(number) };
     history.show(0, Some((&still(1), None)), ALWAYS, nothing_is_stale);

@@ -31,7 +31,7 @@ fn an_ordinary_swapchain_keeps_its_shape() {
 }
 
 #[test]
-fn what_cannot_be_copied_whole_is_left_alone() {
+fn swapchains_that_cannot_be_copied_stay_unchanged() {
     let refused = |change: fn(&mut xr::SwapchainCreateInfo)| {
         let mut info = info();
         change(&mut info);
