@@ -153,7 +153,7 @@ mod tests {
     use Work::{Analysis, Application, Maps};
 
     fn interval(begin: u64, end: u64) -> Option<Interval> {
-        Some(Interval { begin, end, mask: u64::MAX })
+        Some(Interval { begin, end, valid_bits: u64::MAX })
     }
 
     fn time(frame: u64, ns: u64) -> Option<FrameTime> {
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn a_clock_that_starts_over_goes_on() {
         let mut times = FrameTimes::default();
-        let narrow = |begin, end| Some(Interval { begin, end, mask: 0xff });
+        let narrow = |begin, end| Some(Interval { begin, end, valid_bits: 0xff });
         (0..3).for_each(|_| times.submitted(0, Application));
         times.read(0, Application, narrow(2, 6));
         times.read(0, Application, narrow(250, 254));
