@@ -237,7 +237,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     let (Some(tools), Health::Works | Health::CopyOnly) = (active.tools(), active.health()) else {
         return cannot();
     };
-    let _give_up = GiveUpOnPanic(active);
+    let _degrade = DegradeOnPanic(active);
     let next = &session.instance.next;
 
     let mut history = active.plan.history();
@@ -347,10 +347,10 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
     })
 }
 
-/// Gives a technique up that panics, so that it does not do so in every frame.
-struct GiveUpOnPanic<'a>(&'a Active);
+/// Lowers the health of the session after a panic, so that the same panic does not recur in every frame.
+struct DegradeOnPanic<'a>(&'a Active);
 
-impl Drop for GiveUpOnPanic<'_> {
+impl Drop for DegradeOnPanic<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.0.worsen_to(match self.0.health() {

@@ -127,7 +127,7 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
         return;
     }
     let Some(tools) = active.tools() else { return };
-    let _give_up = super::GiveUpOnPanic(active);
+    let _degrade = super::DegradeOnPanic(active);
     let (extent, array_layers) = swapchain.extent_and_layers();
     swapchain.draw_over(&tools.gpu, |runtime, runtime_index| {
         let pictures = shown.into_iter().enumerate().filter_map(|(eye, shown)| {

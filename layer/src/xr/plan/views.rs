@@ -174,7 +174,7 @@ pub(super) fn plan(
     if state.has_failed() {
         return;
     }
-    let _give_up = GiveUpOnPanic(state);
+    let _stop = StopPlanningOnPanic(state);
     let can_attenuate = active.health() == Health::Works;
     let has_work = {
         let mut planning = state.planning();
@@ -249,10 +249,10 @@ pub fn head_in_layer(
     }
 }
 
-/// Gives planning up when it panics, so that it does not do so in every frame.
-struct GiveUpOnPanic<'a>(&'a SessionPlan);
+/// Turns planning off after a panic, so that it does not recur in every frame.
+struct StopPlanningOnPanic<'a>(&'a SessionPlan);
 
-impl Drop for GiveUpOnPanic<'_> {
+impl Drop for StopPlanningOnPanic<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.0.thread.work_in_progress().fail();
