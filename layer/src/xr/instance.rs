@@ -220,7 +220,7 @@ unsafe fn create_with_eye_gaze(
             (create(&with_extensions(info, &others)), GazeExtension::Missing)
         }
         EyeGaze::Unreadable => (create(info), GazeExtension::Off),
-        EyeGaze::NotThere => {
+        EyeGaze::Missing => {
             tracing::info!(
                 "no eye tracker: this runtime does not offer XR_EXT_eye_gaze_interaction; gaze.source = \"osc\" and \"centre\" do not need it"
             );
