@@ -51,7 +51,7 @@ const NEVER: i64 = i64::MIN;
 /// The plan of an active session.
 pub struct SessionPlan {
     thread: PlanThread,
-    told: Mutex<Option<Wanted>>,
+    sent_settings: Mutex<Option<VulkanSettings>>,
     benefit: Mutex<Benefit>,
     audio_input: Mutex<AudioInput>,
     /// Display time of the frame that xrWaitFrame returned last.
@@ -59,7 +59,7 @@ pub struct SessionPlan {
     frame: Mutex<Frame>,
     /// Since when recognition is quiet.
     quiet: Mutex<Quiet>,
-    has_looked: AtomicBool,
+    has_reported_unseen: AtomicBool,
     /// Whether the session runs, for all that is known: until xrEndSession, and again from xrBeginSession on.
     is_running: AtomicBool,
     /// The ignored frames.
@@ -86,13 +86,13 @@ impl SessionPlan {
     pub fn new(config: Arc<ConfigSnapshot>, device: VulkanDevice) -> Self {
         Self {
             thread: PlanThread::new(PlanWork::new(device)),
-            told: Mutex::default(),
+            sent_settings: Mutex::default(),
             benefit: Mutex::default(),
             audio_input: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
             frame: Mutex::new(Frame { config, time: None, is_located: false, later: None }),
             quiet: Mutex::default(),
-            has_looked: AtomicBool::new(false),
+            has_reported_unseen: AtomicBool::new(false),
             is_running: AtomicBool::new(true),
             sleep: Sleep::default(),
             feedback: Mutex::default(),
@@ -192,18 +192,18 @@ impl SessionPlan {
 
     /// Sends the Vulkan half the settings of the configuration and of the gates if they are new.
     pub fn notify_settings(&self, active: &Active, config: &Config) {
-        let (pays, wants_costs) = {
+        let (techniques, wants_costs) = {
             let mut benefit = self.benefit();
             benefit.set_mode(self.gate_modes(config));
             (benefit.is_on(), benefit.wants_costs())
         };
         let is_running = self.is_running.load(Ordering::Relaxed);
-        let techniques = if self.has_failed() || !is_running { Techniques::default() } else { pays };
-        let wanted = Wanted::new(config, techniques, wants_costs && is_running);
+        let techniques = if self.has_failed() || !is_running { Techniques::default() } else { techniques };
+        let wanted = VulkanSettings::new(config, techniques, wants_costs && is_running);
         self.planning().set_techniques(wanted.techniques, wants_costs);
         let is_changed = {
-            let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-            told.replace(wanted) != Some(wanted)
+            let mut sent_settings = self.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
+            sent_settings.replace(wanted) != Some(wanted)
         };
         if is_changed {
             let passes = wanted.passes.to_string();
@@ -228,14 +228,14 @@ impl SessionPlan {
 
 /// Settings of the Vulkan half.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Wanted {
+struct VulkanSettings {
     techniques: Techniques<bool>,
     times_frames: bool,
     backend: u32,
     passes: PassRules,
 }
 
-impl Wanted {
+impl VulkanSettings {
     fn new(config: &Config, techniques: Techniques<bool>, times_frames: bool) -> Self {
         let backend = match config.rates.backend {
             RatesBackend::Auto => BACKEND_ANY,
@@ -261,14 +261,14 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
         let planning = state.planning();
         (planning.phase(config, time_ns), planning.renders_on_cpu())
     };
-    let told = *state.told.lock().unwrap_or_else(PoisonError::into_inner);
-    let is_timed = told.is_some_and(|told| told.times_frames);
+    let sent_settings = *state.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_timed = sent_settings.is_some_and(|sent| sent.times_frames);
     let clock =
         if on_cpu { Clock::Cpu(is_timed.then(process_cpu_ns).flatten()) } else { Clock::Gpu(report.frame) };
     let frame = EndedFrame {
         time_ns,
         clock,
-        wanted: told.map(|told| told.techniques).unwrap_or_default(),
+        wanted: sent_settings.map(|sent| sent.techniques).unwrap_or_default(),
         passes: report.passes_with_rates,
         eye_passes: report.eye_passes,
         phase,
@@ -317,14 +317,14 @@ pub fn report_unseen(
     report: &FrameReport,
 ) {
     let state = &active.plan;
-    if state.has_looked.load(Ordering::Relaxed) {
+    if state.has_reported_unseen.load(Ordering::Relaxed) {
         return;
     }
     let has_settled = {
         let mut quiet = state.quiet.lock().unwrap_or_else(PoisonError::into_inner);
         quiet.frame(time.as_nanos(), decision_count())
     };
-    if !has_settled || state.has_looked.swap(true, Ordering::Relaxed) {
+    if !has_settled || state.has_reported_unseen.swap(true, Ordering::Relaxed) {
         return;
     }
     let known = Known {

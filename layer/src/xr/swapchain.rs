@@ -52,7 +52,7 @@ pub struct Swapchain {
     turns: Mutex<AcquiredImages>,
     drawn_over: Mutex<DrawnOver>,
     depth: Mutex<Depth>,
-    is_told: AtomicBool,
+    is_announced: AtomicBool,
 }
 
 impl Swapchain {
@@ -70,7 +70,7 @@ impl Swapchain {
             turns: Mutex::default(),
             drawn_over: Mutex::default(),
             depth: Mutex::default(),
-            is_told: AtomicBool::new(false),
+            is_announced: AtomicBool::new(false),
         }
     }
 
@@ -98,14 +98,14 @@ impl Swapchain {
 
     /// Sends the Vulkan half the application's images, once.
     fn notify_images(&self, images: &[vk::Image]) {
-        if !images.is_empty() && !self.is_told.swap(true, Ordering::Relaxed) {
+        if !images.is_empty() && !self.is_announced.swap(true, Ordering::Relaxed) {
             self.notify(images);
         }
     }
 
     /// Notifies the Vulkan half that the images are about to be destroyed.
     fn notify_end(&self) {
-        if self.is_told.swap(false, Ordering::Relaxed) {
+        if self.is_announced.swap(false, Ordering::Relaxed) {
             self.notify(&[]);
         }
     }

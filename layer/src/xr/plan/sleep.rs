@@ -97,7 +97,7 @@ fn may_sleep(session: &Session, (active, config): (&Active, &ConfigSnapshot), ti
     session.offer.is_none()
         && !config.is_gaze_watched
         && config.gaze.record.path().is_none()
-        && state.has_looked.load(Ordering::Relaxed)
+        && state.has_reported_unseen.load(Ordering::Relaxed)
         && state.rests_ns(time) >= NO_TRIAL_NS
         && session.actions.is_settled(session)
         && !has_work()
