@@ -46,7 +46,7 @@ fn direction(point: vec2<f32>) -> vec2<f32> {
     return params.plane_origin + params.plane_step * point;
 }
 
-// geometry::eccentricity of a direction, less the radius of the region that counts as looked at.
+// geometry::eccentricity of a direction, less the radius of the gaze region.
 fn eccentricity(direction: vec2<f32>, gaze: vec3<f32>, radius: f32) -> f32 {
     let ray = vec3(direction, -1.0);
     return arc_cosine(dot(ray, gaze) * inverseSqrt(dot(ray, ray))) - radius;
