@@ -300,7 +300,7 @@ pub unsafe fn with_buffer<F>(
 ) -> Option<(Option<Arc<Buffer>>, F)> {
     if untracked::is_here(handle) {
         // SAFETY: the handle is live, as `# Safety` demands.
-        if let Some(armed) = unsafe { draws::quick(handle) } {
+        if let Some(armed) = unsafe { draws::cached_device(handle) } {
             return Some((None, choose(&armed.next)?));
         }
     }
