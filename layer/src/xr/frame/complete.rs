@@ -1,6 +1,6 @@
 //! Completion of a frame's pictures from earlier ones.
 
-use super::history::{Completing, Expected, History, ShownPicture};
+use super::history::{CompletionSettings, Expected, History, ShownPicture};
 use super::work::Work;
 use super::{FrameEnd, Works, depth};
 use crate::config::{Config, longest_period, wants_reuse};
@@ -26,7 +26,7 @@ pub fn complete<'a>(
     if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
         return;
     }
-    let how = Completing::of(config);
+    let settings = CompletionSettings::of(config);
     // With a second layer, it is not known which passes belong to which; the pictures whose tiles were left out before are completed.
     let only = submission.only_projection();
     let is_only = only.is_some();
@@ -72,10 +72,10 @@ pub fn complete<'a>(
                         && (!wants_reuse || tools.compose().completes(work.format()))
                 })
         };
-        if !(wants_reuse && is_only) && history.region(eye, how).is_none() {
+        if !(wants_reuse && is_only) && history.region(eye, settings).is_none() {
             history.show(eye, None, |_| false, |_| {});
         }
-        history.complete(eye, how, watched[eye].as_ref(), Some(&mut sorted));
+        history.complete(eye, settings, watched[eye].as_ref(), Some(&mut sorted));
     }
     drop(sorted);
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
@@ -93,9 +93,9 @@ pub fn complete<'a>(
         if let Some(work) = work
             && tools.compose().completes(work.format())
         {
-            work.reuse.extend(history.region(eye, how));
+            work.reuse.extend(history.region(eye, settings));
             let changes =
-                watched[eye].as_ref().map(|watched| history.changes(eye, how, watched.orientation()));
+                watched[eye].as_ref().map(|watched| history.changes(eye, settings, watched.orientation()));
             work.changes.extend(changes.flatten());
         }
     }
@@ -113,8 +113,8 @@ pub fn sort_ahead(work: &PlanWork, config: &Config, views: &[View]) {
     work.sorted().update(move |sorted| {
         for ((eye, view), watched) in views.iter().take(2).enumerate().zip(watched) {
             let stale = |tiles: &mut StaleTiles| planning.stale(eye, tiles);
-            let how = Completing::of(config);
-            history.expect(eye, sorted, Expected { how, watched, view: *view, stale: &stale });
+            let settings = CompletionSettings::of(config);
+            history.expect(eye, sorted, Expected { settings, watched, view: *view, stale: &stale });
         }
     });
 }

@@ -28,7 +28,7 @@ const LONGEST_GAP_NS: i64 = 100_000_000;
 
 /// Parameters for completing pictures from earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Completing {
+pub struct CompletionSettings {
     /// Whether re-used tiles are turned with the head; else they stay where they were in the picture (paper B).
     pub turns: bool,
     /// Width of the border in which fresh pixels beside re-used ones are blended, pixels.
@@ -38,13 +38,13 @@ pub struct Completing {
     pub oldest: usize,
 }
 
-impl Completing {
+impl CompletionSettings {
     /// As paper B does.
     pub const PAPER: Self = Self { turns: false, border: 0.0, oldest: MAX_AGES };
     /// From a configuration.
     pub fn of(config: &Config) -> Self {
-        let how = if config.reuse.mode == ReuseMode::Paper { Self::PAPER } else { Self::TURNED };
-        Self { oldest: longest_period(config) as usize, ..how }
+        let settings = if config.reuse.mode == ReuseMode::Paper { Self::PAPER } else { Self::TURNED };
+        Self { oldest: longest_period(config) as usize, ..settings }
     }
 
     /// Turned with the head.
@@ -143,18 +143,18 @@ impl History {
     }
 
     /// Assigns the stale tiles of an eye's newest picture to earlier pictures, and finds its tiles to compare with them: rendered tiles with
-    /// a watched middle, or none if `how` does not turn pictures. Tiles of `sorted` are taken if they belong to this picture.
+    /// a watched middle, or none if `settings` do not turn pictures. Tiles of `sorted` are taken if they belong to this picture.
     pub fn complete(
         &mut self,
         eye: usize,
-        how: Completing,
+        settings: CompletionSettings,
         watched: Option<&Watched>,
         sorted: Option<&mut SortedTiles>,
     ) {
         let EyeHistory { pictures, len, lists, has_moved, .. } = &mut self.eyes[eye];
-        let (pictures, how) = (&pictures[..*len], how.unless(*has_moved));
-        if sorted.is_none_or(|sorted| !sorted.take(eye, pictures, how, watched, lists)) {
-            lists.update(pictures.iter().map(Kept::picture), how, watched);
+        let (pictures, settings) = (&pictures[..*len], settings.unless(*has_moved));
+        if sorted.is_none_or(|sorted| !sorted.take(eye, pictures, settings, watched, lists)) {
+            lists.update(pictures.iter().map(Kept::picture), settings, watched);
         }
     }
 
@@ -165,11 +165,16 @@ impl History {
     }
 
     /// The comparisons that [`Self::complete`] found, of a view that is turned so in the world; `None` if there is nothing to compare.
-    pub fn changes(&self, eye: usize, how: Completing, orientation: Quat) -> Option<ChangeRegion<'_>> {
+    pub fn changes(
+        &self,
+        eye: usize,
+        settings: CompletionSettings,
+        orientation: Quat,
+    ) -> Option<ChangeRegion<'_>> {
         let EyeHistory { pictures, len, lists: EyeLists { compared, .. }, has_moved, .. } = &self.eyes[eye];
-        let how = how.unless(*has_moved);
+        let settings = settings.unless(*has_moved);
         let (newest, earlier) = pictures[..*len].split_first().filter(|_| compared.count() > 0)?;
-        let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns);
+        let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), settings.turns);
         Some(ChangeRegion {
             array_layer: newest.image.array_layer,
             offset: newest.image.offset,
@@ -182,12 +187,12 @@ impl History {
     }
 
     /// The re-use that [`Self::complete`] worked out; `None` if the newest picture is complete.
-    pub fn region(&self, eye: usize, how: Completing) -> Option<ReuseRegion<'_>> {
+    pub fn region(&self, eye: usize, settings: CompletionSettings) -> Option<ReuseRegion<'_>> {
         let EyeHistory { pictures, len, lists: EyeLists { lists, .. }, has_moved, .. } = &self.eyes[eye];
-        let (pictures, how) = (&pictures[..*len], how.unless(*has_moved));
+        let (pictures, settings) = (&pictures[..*len], settings.unless(*has_moved));
         let [width, height] = pictures.first()?.extent;
         let EarlierImage { array_layer, offset: [x, y], .. } = pictures[0].image;
-        let reuse = lists::reuse(pictures.iter().map(Kept::picture), how)?;
+        let reuse = lists::reuse(pictures.iter().map(Kept::picture), settings)?;
         Some(ReuseRegion {
             array_layer,
             rect: vk::Rect2D {
@@ -196,7 +201,7 @@ impl History {
             },
             lists,
             earlier: earlier_images(pictures),
-            border: how.border_of(&reuse),
+            border: settings.border_of(&reuse),
             depth: pictures[0].picture_depth(),
             earlier_depth: array::from_fn(|index| pictures.get(index + 1).and_then(Kept::picture_depth)),
             reuse,
