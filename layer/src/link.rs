@@ -35,7 +35,7 @@ pub const RATES_COPIED: u32 = 1;
 pub const RATES_COPY_LEFT_OUT: u32 = 2;
 
 /// A callback before the application's vkDestroyDevice, while the device is still live.
-pub type DeviceEnds = unsafe extern "C" fn(device: vk::Device);
+pub type DestroyDeviceCallback = unsafe extern "C" fn(device: vk::Device);
 
 /// Functions of the Vulkan half for the OpenXR half.
 #[repr(C)]
@@ -75,13 +75,13 @@ pub struct LinkTable {
     pub copy_rates: unsafe extern "C" fn(device: vk::Device, record: *const RatesCopyRecord) -> u32,
     /// Has `call` called once when the application destroys the device, before the device is gone. Returns 1, or 0 when the device
     /// is not armed.
-    pub when_it_ends: unsafe extern "C" fn(device: vk::Device, call: DeviceEnds) -> u32,
+    pub on_device_destroyed: unsafe extern "C" fn(device: vk::Device, call: DestroyDeviceCallback) -> u32,
     /// The layout in which the application's submits left a swapchain's image; COLOR_ATTACHMENT_OPTIMAL, as OpenXR has it, for an image
     /// with an unknown layout.
     pub layout: unsafe extern "C" fn(device: vk::Device, image: vk::Image) -> vk::ImageLayout,
     /// Whether the application's submits to queues other than that one (family, index) have used a swapchain's image, or, before
     /// any submit with it, could: 1, or 0.
-    pub is_used_beside:
+    pub is_used_on_other_queues:
         unsafe extern "C" fn(device: vk::Device, image: vk::Image, queue: *const [u32; 2]) -> u32,
     /// Writes the decision of that index, counted from 0 over all devices of the process, to `record`; returns 1, or 0 if there are fewer.
     /// It waits for nothing.

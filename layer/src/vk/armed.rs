@@ -16,7 +16,8 @@ use crate::backend::mask::Masks;
 use crate::gpu::Compiler;
 use crate::gpu::functions::Functions;
 use crate::link::{
-    BACKEND_ANY, BACKEND_NONE, CapabilitiesRecord, DeviceEnds, DeviceRecord, SettingsRecord, SwapchainRecord,
+    BACKEND_ANY, BACKEND_NONE, CapabilitiesRecord, DestroyDeviceCallback, DeviceRecord, SettingsRecord,
+    SwapchainRecord,
 };
 use crate::pass_detection::{ImageKey, SwapchainKey};
 use crate::rate_map::DeviceRates;
@@ -56,7 +57,7 @@ pub struct Armed {
     pub timing: Timing,
     functions: OnceLock<Option<Functions>>,
     /// Callbacks for the end of the device.
-    end_callbacks: Mutex<SmallVec<[DeviceEnds; 1]>>,
+    end_callbacks: Mutex<SmallVec<[DestroyDeviceCallback; 1]>>,
 }
 
 impl Armed {
@@ -171,8 +172,10 @@ impl Armed {
     }
 
     /// Whether the application uses a swapchain's image on queues other than that one; before any submit with the image, whether it could.
-    pub fn is_used_beside(&self, image: vk::Image, queue: QueueId) -> bool {
-        self.layouts.is_used_beside(image, queue).unwrap_or_else(|| self.objects.has_queue_beside(queue))
+    pub fn is_used_on_other_queues(&self, image: vk::Image, queue: QueueId) -> bool {
+        self.layouts
+            .is_used_on_other_queues(image, queue)
+            .unwrap_or_else(|| self.objects.has_queue_beside(queue))
     }
 
     /// Forgets the passes that drew to an image that is about to be destroyed: the GPU is done with it.
@@ -197,17 +200,18 @@ impl Armed {
     }
 
     /// Has `call` called when the application destroys the device.
-    pub fn when_it_ends(&self, call: DeviceEnds) {
+    pub fn on_device_destroyed(&self, call: DestroyDeviceCallback) {
         self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner).push(call);
     }
 
     /// Waits for work of ours, and destroys our objects, before the device is destroyed.
     pub fn destroy_own(&self) {
-        let told = std::mem::take(&mut *self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner));
+        let callbacks =
+            std::mem::take(&mut *self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner));
         Compiler::end_on(self.record.device);
-        for ends in told {
+        for callback in callbacks {
             // SAFETY: a function of the other half, which is never unloaded; the device is live.
-            unsafe { ends(self.record.device) };
+            unsafe { callback(self.record.device) };
         }
         for ring in self.rings.remove_where(|_, _| true) {
             if let Some(functions) = self.functions() {

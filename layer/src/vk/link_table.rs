@@ -7,9 +7,9 @@ use super::objects::QueueId;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart, GetLink,
-    LINK_VERSION, LinkTable, PictureRecord, RATES_OF_PLAN, RatesCopyRecord, ShownRecord, StaleRecord,
-    SwapchainRecord,
+    CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, FrameReportRecord, FrameStart,
+    GetLink, LINK_VERSION, LinkTable, PictureRecord, RATES_OF_PLAN, RatesCopyRecord, ShownRecord,
+    StaleRecord, SwapchainRecord,
 };
 use crate::status;
 use ash::vk;
@@ -28,9 +28,9 @@ static TABLE: LinkTable = LinkTable {
     end_frame,
     stale,
     copy_rates,
-    when_it_ends,
+    on_device_destroyed,
     layout,
-    is_used_beside,
+    is_used_on_other_queues,
     decision,
 };
 
@@ -281,15 +281,15 @@ unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyReco
 /// # Safety
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
-unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
+unsafe extern "C" fn on_device_destroyed(device: vk::Device, call: DestroyDeviceCallback) -> u32 {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
-        "vkGetParafoveaLink.when_it_ends",
+        "vkGetParafoveaLink.on_device_destroyed",
         || 0,
         |_| unsafe {
             let known = device::of(device);
             known.as_ref().and_then(|known| known.armed.as_ref()).map_or(0, |armed| {
-                armed.when_it_ends(call);
+                armed.on_device_destroyed(call);
                 1
             })
         },
@@ -299,16 +299,21 @@ unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
 /// # Safety
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
-unsafe extern "C" fn is_used_beside(device: vk::Device, image: vk::Image, queue: *const [u32; 2]) -> u32 {
+unsafe extern "C" fn is_used_on_other_queues(
+    device: vk::Device,
+    image: vk::Image,
+    queue: *const [u32; 2],
+) -> u32 {
     // SAFETY: the other half passes a live device and two numbers (link.rs).
     guard(
-        "vkGetParafoveaLink.is_used_beside",
+        "vkGetParafoveaLink.is_used_on_other_queues",
         || 1,
         |_| unsafe {
             let known = device::of(device);
             let armed = known.as_ref().and_then(|known| known.armed.as_ref());
             let [family, index] = *queue;
-            armed.map_or(0, |armed| u32::from(armed.is_used_beside(image, QueueId { family, index })))
+            armed
+                .map_or(0, |armed| u32::from(armed.is_used_on_other_queues(image, QueueId { family, index })))
         },
     )
 }

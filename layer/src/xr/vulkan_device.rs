@@ -4,7 +4,7 @@
 use super::structures::VulkanBinding;
 use crate::config::{Arming, device_armed};
 use crate::link::{
-    BACKEND_NONE, CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord,
+    BACKEND_NONE, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, FrameReportRecord,
     FrameStart, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
     MOST_FRAME_TIMES, PictureRecord, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord, ShownRecord,
     StaleRecord, SwapchainRecord,
@@ -109,9 +109,9 @@ impl VulkanDevice {
     }
 
     /// Registers `call` for the destruction of the device by the application; false if it will not be called.
-    pub fn when_it_ends(&self, call: DeviceEnds) -> bool {
+    pub fn on_device_destroyed(&self, call: DestroyDeviceCallback) -> bool {
         // SAFETY: the device is live, as above.
-        unsafe { (self.table.when_it_ends)(self.record.device, call) == 1 }
+        unsafe { (self.table.on_device_destroyed)(self.record.device, call) == 1 }
     }
 
     /// Sends the images of a swapchain, or, without any, the notice that it is about to be destroyed.
@@ -231,10 +231,10 @@ impl VulkanDevice {
 
     /// Whether the application has submitted commands that use an image of a swapchain to a queue other than the session's, or, before any
     /// submit with it, could.
-    pub fn is_used_beside(&self, image: vk::Image) -> bool {
+    pub fn is_used_on_other_queues(&self, image: vk::Image) -> bool {
         let queue = [self.queue.0, self.queue.1];
         // SAFETY: the device is live, as above; the numbers are read during the call.
-        unsafe { (self.table.is_used_beside)(self.record.device, image, &queue) == 1 }
+        unsafe { (self.table.is_used_on_other_queues)(self.record.device, image, &queue) == 1 }
     }
 
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.

@@ -3,7 +3,7 @@
 use super::capabilities::RateCapabilities;
 use super::commands::SetRates;
 use super::create::Enabled;
-use super::framebuffer::{self, Promise};
+use super::framebuffer::{self, ImagelessRateAttachment};
 use super::image::{RateImage, RateImageKey, USAGE};
 use super::images::RateImages;
 use super::pipeline::PipelineRate;
@@ -233,7 +233,7 @@ impl Rates {
             let [width, height, layers] = unsafe { framebuffer::promised_size(info, colour) };
             let image = self.images.fitting(shared([width, height], layers))?;
             let RateImageKey { texels, layers, .. } = image.key;
-            let promise = Promise { texels, layers, usage: USAGE };
+            let promise = ImagelessRateAttachment { texels, layers, usage: USAGE };
             // SAFETY: as above.
             let amended = unsafe { framebuffer::with_promise(info, &promise, copies) };
             return Some((amended, Attached::Promised(image)));

@@ -25,7 +25,7 @@ fn callbacks_run_before_the_device_is_destroyed() {
     let [asked, other] = [new_device(instance), new_device(instance)];
     fake::calls();
     // SAFETY: the device is live.
-    assert_eq!(unsafe { (link(asked).unwrap().when_it_ends)(asked, ended) }, 1);
+    assert_eq!(unsafe { (link(asked).unwrap().on_device_destroyed)(asked, ended) }, 1);
     destroy_device(other);
     assert!(ENDED.take().is_empty());
     fake::calls();

@@ -2,9 +2,10 @@
 
 use crate::config::Arming;
 use crate::link::{
-    AwaitedPlan, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord,
-    FrameReportRecord, FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES, PictureRecord,
-    PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
+    AwaitedPlan, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback,
+    DeviceRecord, FrameReportRecord, FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES,
+    PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
+    SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -91,9 +92,9 @@ pub fn table() -> LinkTable {
         end_frame,
         stale,
         copy_rates,
-        when_it_ends,
+        on_device_destroyed,
         layout,
-        is_used_beside,
+        is_used_on_other_queues,
         decision,
     }
 }
@@ -173,8 +174,8 @@ unsafe extern "C" fn layout(_: vk::Device, _: vk::Image) -> vk::ImageLayout {
 /// # Safety
 ///
 /// As the call.
-unsafe extern "C" fn is_used_beside(_: vk::Device, _: vk::Image, _: *const [u32; 2]) -> u32 {
-    note("is_used_beside");
+unsafe extern "C" fn is_used_on_other_queues(_: vk::Device, _: vk::Image, _: *const [u32; 2]) -> u32 {
+    note("is_used_on_other_queues");
     0
 }
 
@@ -198,7 +199,7 @@ unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
 /// # Safety
 ///
 /// As the call.
-unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {
+unsafe extern "C" fn on_device_destroyed(_: vk::Device, _: DestroyDeviceCallback) -> u32 {
     0
 }
 
