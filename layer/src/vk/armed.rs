@@ -11,7 +11,7 @@ use super::runtime_section;
 use super::table::Table;
 use super::timing::Timing;
 use crate::backend::Backend;
-use crate::backend::attachment::Rates;
+use crate::backend::attachment::RateAttachments;
 use crate::backend::mask::Masks;
 use crate::gpu::Compiler;
 use crate::gpu::functions::Functions;
@@ -34,13 +34,13 @@ pub struct Armed {
     /// The next layer's functions under our hooks.
     pub next: ArmedTable,
     /// Its rate attachments; `None` without any.
-    pub rate_attachments: Option<Arc<Rates>>,
+    pub rate_attachments: Option<Arc<RateAttachments>>,
     /// Its masks, if there are no rate attachments.
     pub masks: Option<Arc<Masks>>,
     /// Its backend, if it has one.
     pub backend: Option<Box<dyn Backend>>,
     /// The rates that the backend offers.
-    pub rates: DeviceRates,
+    pub offered_rates: DeviceRates,
     /// The application's objects.
     pub objects: Objects,
     /// The layouts of virtual swapchains' images.
@@ -65,7 +65,7 @@ impl Armed {
     pub fn new(
         record: DeviceRecord,
         next: ArmedTable,
-        rate_attachments: Option<Arc<Rates>>,
+        rate_attachments: Option<Arc<RateAttachments>>,
         masks: Option<Arc<Masks>>,
     ) -> Self {
         let backend: Option<Box<dyn Backend>> = match (&rate_attachments, &masks) {
@@ -79,7 +79,7 @@ impl Armed {
         Self {
             record,
             next,
-            rates: DeviceRates::new(rates),
+            offered_rates: DeviceRates::new(rates),
             rate_attachments,
             masks,
             backend,

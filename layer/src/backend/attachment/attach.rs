@@ -23,7 +23,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The rate attachments of a device.
-pub struct Rates {
+pub struct RateAttachments {
     /// Their capabilities.
     pub capabilities: RateCapabilities,
     is_cpu: bool,
@@ -60,7 +60,7 @@ enum Attached {
 /// The first colour target of a pass, with the description of its image; `None` for an unknown image.
 pub type FirstColour = Option<(Target, ImageDescription)>;
 
-impl Rates {
+impl RateAttachments {
     /// Rates of a device on which nothing is attached yet; `None` if it lacks a function that they need.
     ///
     /// # Safety
@@ -346,7 +346,7 @@ impl Rates {
     }
 }
 
-impl Backend for Arc<Rates> {
+impl Backend for Arc<RateAttachments> {
     fn capabilities(&self) -> CapabilitiesRecord {
         let mut rates = [0; 16];
         for (texel, rate) in rates.iter_mut().zip(&self.capabilities.rates) {

@@ -1,6 +1,6 @@
 //! The creation of shader modules and graphics pipelines.
 
-use super::attach::Rates;
+use super::attach::RateAttachments;
 use super::pipeline::{PipelineRate, has_alpha_to_coverage, with_rates};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
@@ -8,7 +8,7 @@ use crate::status::{Topic, decided};
 use crate::vk::shaders::Effects;
 use ash::vk;
 
-impl Rates {
+impl RateAttachments {
     /// A pipeline is about to be destroyed.
     pub fn forget_pipeline(&self, pipeline: vk::Pipeline) {
         self.pipelines.remove(pipeline);

@@ -108,7 +108,7 @@ unsafe fn resolve_on_gpu(
     let leaves_out = candidate.map.leaves_out();
     let target = MapTarget { queue, parts: &parts, image: &image, leaves_out };
     let mut resolved = candidate.take_resolved();
-    let plan = (&armed.frame, &armed.rates);
+    let plan = (&armed.frame, &armed.offered_rates);
     // SAFETY: the command buffer is recording, and `kept` lives until it has finished, as `# Safety` demands.
     let written = unsafe { armed.perception.resolve(plan, commands, &target, &form, &mut resolved, kept) };
     candidate.keep_resolved(resolved);
@@ -134,9 +134,9 @@ fn stage_plan(slot: &mut Slot, armed: &Armed, candidate: &Candidate, offset: usi
     let is_new = {
         let mut content = candidate.content();
         let mut plan = armed.frame.plan();
-        plan.resolve(&parts, &image, &armed.rates, &mut slot.texels);
+        plan.resolve(&parts, &image, &armed.offered_rates, &mut slot.texels);
         if !candidate.map.leaves_out() && plan.leaves_out() {
-            armed.rates.coarsen_stale(&mut slot.texels);
+            armed.offered_rates.coarsen_stale(&mut slot.texels);
         }
         if content.is_unfilled() {
             refine_fresh(&mut slot.texels);

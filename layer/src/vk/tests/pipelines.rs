@@ -39,7 +39,7 @@ fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
 
 fn attaches(device: vk::Device) -> bool {
     // SAFETY: the device is live.
-    unsafe { device::of(device) }.unwrap().rates().unwrap().attaches_to_rendering()
+    unsafe { device::of(device) }.unwrap().rate_attachments().unwrap().attaches_to_rendering()
 }
 
 const SUCCESS: vk::Result = vk::Result::SUCCESS;

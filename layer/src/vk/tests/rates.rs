@@ -123,7 +123,7 @@ fn limits(driver: vk::DriverId, name: &'static [u8]) -> (bool, vk::SampleCountFl
     let device = new_device(instance);
     // SAFETY: the device is live.
     let known = unsafe { device::of(device) }.unwrap();
-    let capabilities = known.rates().unwrap().capabilities.clone();
+    let capabilities = known.rate_attachments().unwrap().capabilities.clone();
     destroy_device(device);
     destroy_instance(instance);
     rates::drive(vk::DriverId::default(), b"");
@@ -156,7 +156,7 @@ fn unconfigured_backends_are_not_created() {
         assert_eq!(rates::features(), [0; 3], "{arming:?}");
         // SAFETY: the device is live.
         let known = unsafe { device::of(device) }.unwrap();
-        let has = (known.armed.is_some(), known.rates().is_some(), known.masks().is_some());
+        let has = (known.armed.is_some(), known.rate_attachments().is_some(), known.masks().is_some());
         let expected = match arming {
             Arming::Inert => (false, false, false),
             Arming::Pictures => (true, false, false),
