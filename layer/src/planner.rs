@@ -46,7 +46,7 @@ const LONGEST_STEP_BACK_NS: i64 = 1_000_000_000;
 const LONGEST_REUSE_NS: i64 = 50_000_000;
 
 /// Plans the frames of one session.
-pub struct Planning {
+pub struct SessionPlanner {
     /// The views of the eyes.
     pub views: Views,
     capabilities: Capabilities,
@@ -83,20 +83,20 @@ pub struct Planning {
     signal: Signal,
 }
 
-/// The time of the newest plan, and its inputs.
+/// Display time and number of the frame that was planned last.
 #[derive(Clone, Copy, Debug)]
 struct Last {
     time_ns: i64,
     frame: u64,
 }
 
-impl Default for Planning {
+impl Default for SessionPlanner {
     fn default() -> Self {
         Self::new(Capabilities::default())
     }
 }
 
-impl Planning {
+impl SessionPlanner {
     /// Begins without views or gaze, for a device's rates.
     pub fn new(capabilities: Capabilities) -> Self {
         let gaze_settings = GazeSettings::default();

@@ -1,6 +1,6 @@
 //! Views of the newest plan for people.
 
-use super::Planning;
+use super::SessionPlanner;
 use crate::config::Config;
 use crate::inputs::gaze::{direction, in_view};
 use glam::Vec3;
@@ -18,7 +18,7 @@ pub struct DebugOverlay {
     pub is_decided_on_gpu: bool,
 }
 
-impl Planning {
+impl SessionPlanner {
     /// The overlay of an eye's newest plan for `view`; its map, if it has one, goes to `map`. Nothing without a plan. The dot of
     /// [`DebugView::Ahead`] is `dot_deg` to the left and upwards of the centre of the view.
     pub fn seen(

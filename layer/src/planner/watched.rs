@@ -1,6 +1,6 @@
 //! Parts of pictures that are searched for changes of content.
 
-use super::Planning;
+use super::SessionPlanner;
 use glam::{Quat, Vec3};
 
 /// The part of an eye's picture that may be re-used in later frames, so that its changes count.
@@ -13,7 +13,7 @@ pub struct Watched {
     cosine: f32,
 }
 
-impl Planning {
+impl SessionPlanner {
     /// The watched part of pictures of an eye, by the newest plan; `None` where that renders everything in each frame, or it is the other
     /// eye's turn: both see most of the changes.
     pub fn watched(&self, eye: usize) -> Option<Watched> {
@@ -73,7 +73,7 @@ mod tests {
         }
         let everywhere = Watched { cosine: 2.0, ..ahead };
         assert!(everywhere.is_watched(Vec3::NEG_Z));
-        assert_eq!(Planning::default().watched(0), None, "without a plan");
+        assert_eq!(SessionPlanner::default().watched(0), None, "without a plan");
     }
 
     #[test]

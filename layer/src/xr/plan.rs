@@ -27,7 +27,7 @@ use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
 };
 use crate::pass_detection::Feedback;
-use crate::planner::{Benefit, Clock, EndedFrame, Planning, View};
+use crate::planner::{Benefit, Clock, EndedFrame, SessionPlanner, View};
 use crate::status::{
     Known, Quiet, StatusSnapshot, Topic, all_decisions, decided, decision_count, why_unseen,
 };
@@ -109,8 +109,8 @@ impl SessionPlan {
     }
 
     /// The planner, after the plan of the frame was made.
-    pub fn planning(&self) -> MutexGuard<'_, Planning> {
-        self.thread.work().planning()
+    pub fn planner(&self) -> MutexGuard<'_, SessionPlanner> {
+        self.thread.work().planner()
     }
 
     /// The session's last pictures.
@@ -155,8 +155,8 @@ impl SessionPlan {
         if self.has_failed() {
             return [None; 2];
         }
-        let planning = self.planning();
-        [planning.focus(0), planning.focus(1)]
+        let planner = self.planner();
+        [planner.focus(0), planner.focus(1)]
     }
 
     /// The modes of a configuration; re-use is off where pictures of earlier frames are read.
@@ -200,7 +200,7 @@ impl SessionPlan {
         let is_running = self.is_running.load(Ordering::Relaxed);
         let techniques = if self.has_failed() || !is_running { Techniques::default() } else { techniques };
         let wanted = VulkanSettings::new(config, techniques, wants_costs && is_running);
-        self.planning().set_techniques(wanted.techniques, wants_costs);
+        self.planner().set_techniques(wanted.techniques, wants_costs);
         let is_changed = {
             let mut sent_settings = self.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
             sent_settings.replace(wanted) != Some(wanted)
@@ -258,8 +258,8 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
     state.take_feedback(config, report.feedback);
     let time_ns = time.as_nanos();
     let (phase, on_cpu) = {
-        let planning = state.planning();
-        (planning.phase(config, time_ns), planning.renders_on_cpu())
+        let planner = state.planner();
+        (planner.phase(config, time_ns), planner.renders_on_cpu())
     };
     let sent_settings = *state.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
     let is_timed = sent_settings.is_some_and(|sent| sent.times_frames);
@@ -300,7 +300,7 @@ pub fn status(
     };
     snapshot.memory = active.made_tools().map_or(0, |tools| tools.gpu.memory_used());
     (snapshot.reuse_memory, snapshot.reuse_refused) = swapchain::history_memory(session.handle);
-    state.planning().write_status(config, &mut snapshot);
+    state.planner().write_status(config, &mut snapshot);
     session.gaze.write_status(&mut snapshot);
     snapshot.gaze_is_given = session.offer.as_ref().is_some_and(SessionOffer::is_given);
     let benefit = state.benefit();
@@ -347,11 +347,11 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let last = std::mem::replace(&mut *state.frame(), frame);
     state.notify_settings(active, &config);
     {
-        let mut planning = state.planning();
+        let mut planner = state.planner();
         if let Some(views) = last.later {
-            planning.views.located(&views);
+            planner.views.located(&views);
         }
-        planning.frame_begins(time.as_nanos(), count);
+        planner.frame_begins(time.as_nanos(), count);
     }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !last.is_located {

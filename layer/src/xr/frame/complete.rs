@@ -4,7 +4,7 @@ use super::history::{CompletionSettings, Expected, History, ShownPicture};
 use super::work::Work;
 use super::{FrameEnd, Works, depth};
 use crate::config::{Config, longest_period, wants_reuse};
-use crate::planner::{Planning, View, Watched};
+use crate::planner::{SessionPlanner, View, Watched};
 use crate::xr::plan::PlanWork;
 use crate::xr::session::{Health, Tools};
 use crate::xr::submission::Projection;
@@ -37,7 +37,7 @@ pub fn complete<'a>(
         };
         submission.projections().find(is_known)
     });
-    let watched = watched(&active.plan.planning(), config);
+    let watched = watched(&active.plan.planner(), config);
     let mut kept = [false; 2];
     let mut sorted = active.plan.sorted();
     for eye in 0..2 {
@@ -80,10 +80,10 @@ pub fn complete<'a>(
     drop(sorted);
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
     {
-        let mut planning = active.plan.planning();
+        let mut planner = active.plan.planner();
         let may_reuse = wants_reuse && report.feedback.allows_reuse();
-        (0..2).filter(|eye| kept[*eye] && may_reuse).for_each(|eye| planning.history_kept(eye));
-        planning.views.set_followed((0..2).all(follows));
+        (0..2).filter(|eye| kept[*eye] && may_reuse).for_each(|eye| planner.history_kept(eye));
+        planner.views.set_followed((0..2).all(follows));
     }
     let history: &'a History = history;
     for eye in 0..2 {
@@ -105,14 +105,14 @@ pub fn complete<'a>(
 pub fn sort_ahead(work: &PlanWork, config: &Config, views: &[View]) {
     // A frame that another thread is ending has pictures that this one needs.
     let Some(history) = work.free_history() else { return };
-    let planning = work.planning();
-    let watched = watched(&planning, config);
-    if !planning.is_planned() {
+    let planner = work.planner();
+    let watched = watched(&planner, config);
+    if !planner.is_planned() {
         return;
     }
     work.sorted().update(move |sorted| {
         for ((eye, view), watched) in views.iter().take(2).enumerate().zip(watched) {
-            let stale = |tiles: &mut StaleTiles| planning.stale(eye, tiles);
+            let stale = |tiles: &mut StaleTiles| planner.stale(eye, tiles);
             let settings = CompletionSettings::of(config);
             history.expect(eye, sorted, Expected { settings, watched, view: *view, stale: &stale });
         }
@@ -120,9 +120,9 @@ pub fn sort_ahead(work: &PlanWork, config: &Config, views: &[View]) {
 }
 
 /// The directions that are compared with earlier pictures, of both eyes.
-fn watched(planning: &Planning, config: &Config) -> [Option<Watched>; 2] {
+fn watched(planner: &SessionPlanner, config: &Config) -> [Option<Watched>; 2] {
     let is_watched = wants_reuse(config) && config.reuse.refresh;
-    [0, 1].map(|eye| planning.watched(eye).filter(|_| is_watched))
+    [0, 1].map(|eye| planner.watched(eye).filter(|_| is_watched))
 }
 
 /// The picture of an eye, where it is in a virtual swapchain.

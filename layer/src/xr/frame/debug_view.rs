@@ -163,8 +163,8 @@ unsafe fn draw_over(
     let mut views = active.debug_views();
     let DebugViews { pass, maps, frame, drawn, has_failed, .. } = &mut *views;
     let seen: [Option<DebugOverlay>; 2] = {
-        let planning = active.plan.planning();
-        [0, 1].map(|eye| planning.seen(config, eye, view, dot_deg, &mut maps[eye]))
+        let planner = active.plan.planner();
+        [0, 1].map(|eye| planner.seen(config, eye, view, dot_deg, &mut maps[eye]))
     };
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
     match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {

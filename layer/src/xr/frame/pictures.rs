@@ -36,7 +36,7 @@ pub unsafe fn notify(frame: &FrameEnd, works: &[Work]) {
 fn to_world(frame: &FrameEnd, scene: &Projection<'_>) -> Option<Quat> {
     let time = frame.submission.time;
     let in_layer = frame.head_in_layer(scene)?;
-    let planned = frame.active.plan.planning().head_at(time.as_nanos());
+    let planned = frame.active.plan.planner().head_at(time.as_nanos());
     Some(planned.unwrap_or_else(|| frame.session.head_in_world(time)) * in_layer.inverse())
 }
 

@@ -93,7 +93,7 @@ pub fn fall_asleep(
 /// Whether nothing of a frame is of use for now.
 fn may_sleep(session: &Session, (active, config): (&Active, &ConfigSnapshot), time: xr::Time) -> bool {
     let state = &active.plan;
-    let has_work = || state.planning().has_work(config, active.health() == Health::Works);
+    let has_work = || state.planner().has_work(config, active.health() == Health::Works);
     session.offer.is_none()
         && !config.is_gaze_watched
         && config.gaze.record.path().is_none()

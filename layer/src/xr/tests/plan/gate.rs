@@ -66,7 +66,7 @@ fn frames_go_by_unnoticed_while_every_technique_is_dropped() {
     let hz = || {
         let mut snapshot = StatusSnapshot::default();
         let active = session.active.as_ref().unwrap();
-        active.plan.planning().write_status(&Config::default(), &mut snapshot);
+        active.plan.planner().write_status(&Config::default(), &mut snapshot);
         snapshot.frame_rate_hz
     };
     let before = hz();
