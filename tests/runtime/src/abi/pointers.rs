@@ -28,7 +28,7 @@ impl<T> Deref for Valid<'_, T> {
     }
 }
 
-/// More links than any chain has; a longer one is taken to be a circle.
+/// More links than any chain has; a longer one is taken to have a cycle.
 const MAX_LINKS: usize = 64;
 
 impl<T: Structure> In<T> {

@@ -71,7 +71,7 @@ fn a_format_list_is_read_and_nothing_else_is_taken() {
     assert!(matches!(shape_of(&chained(&list)).unwrap_err(), NotSubstituted::Chain(_)));
     list.ty = xr::VulkanSwapchainFormatListCreateInfoKHR::TYPE;
     list.next = (&raw const list).cast();
-    assert!(matches!(shape_of(&chained(&list)).unwrap_err(), NotSubstituted::Chain(_)), "a circle");
+    assert!(matches!(shape_of(&chained(&list)).unwrap_err(), NotSubstituted::Chain(_)), "a cycle");
 }
 
 #[test]
