@@ -161,7 +161,7 @@ pub struct FrameReportRecord {
     /// Number of decisions so far ([`LinkTable::decision`](super::LinkTable::decision)).
     pub decisions: u32,
     /// Frames from the next one on whose passes are not followed, whether or not they end with a record.
-    pub unfollowed: u32,
+    pub untracked_frames: u32,
     /// Number of `times`.
     pub time_count: u32,
     /// GPU times of frames that became known, in the order of the frames: a frame or more after each has ended, and of some never.
@@ -203,7 +203,7 @@ pub struct ShownRecord {
     /// Number of swapchains in `depth`.
     pub depth_count: u32,
     /// Frames since the last record, without this one, that ended without one.
-    pub unnoticed: u32,
+    pub skipped_frames: u32,
 }
 
 /// [`ShownViewRecord::eye`] of a view that is neither eye's whole picture, such as an inset of quad views.

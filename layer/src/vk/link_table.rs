@@ -229,7 +229,7 @@ unsafe extern "C" fn end_frame(
                     slice(submission.depth, submission.depth_count as usize),
                 )
             };
-            armed.frame.skip(submission.unnoticed);
+            armed.frame.skip(submission.skipped_frames);
             if armed.follows_passes() && armed.frame.learns() {
                 armed.frame.shown(&armed.objects, views, flat, depth);
             } else {

@@ -193,7 +193,7 @@ impl FrameEnd<'_> {
         let time = submission.time;
         session.actions.frame_ended(session, config, time);
         let mut report = active.report();
-        report::end_frame(&active.device, submission, active.plan.sleep.unended(), &mut report);
+        report::end_frame(&active.device, submission, active.plan.sleep.take_skipped_ends(), &mut report);
         active.take_over_decisions(report.decisions);
         plan::frame_ended(active, config, time, &report);
         if let Some(scene) = submission.scene() {
@@ -204,7 +204,7 @@ impl FrameEnd<'_> {
         if let Some(reporter) = session.reporter.as_ref().filter(|reporter| reporter.is_asked()) {
             reporter.report(plan::status(session, active, config, &report), Arc::clone(&config.source));
         }
-        plan::fall_asleep(session, (active, config), time, report.unfollowed);
+        plan::fall_asleep(session, (active, config), time, report.untracked_frames);
         delivered
     }
 }

@@ -156,7 +156,7 @@ impl VulkanDevice {
             eye_passes: 0,
             feedback: 0,
             decisions: 0,
-            unfollowed: 0,
+            untracked_frames: 0,
             time_count: 0,
             times: [FrameTimeRecord::default(); MOST_FRAME_TIMES],
             stale: report.words.each_mut().map(stale_record),
@@ -169,7 +169,7 @@ impl VulkanDevice {
         report.eye_passes = record.eye_passes;
         report.feedback = Feedback::from_number(record.feedback);
         report.decisions = record.decisions;
-        report.unfollowed = record.unfollowed;
+        report.untracked_frames = record.untracked_frames;
         report.times.clear();
         report.times.extend(record.times.into_iter().take(record.time_count as usize));
         for (eye, stale) in record.stale.into_iter().enumerate() {
@@ -274,7 +274,7 @@ pub struct FrameReport {
     /// Number of decisions so far.
     pub decisions: u32,
     /// Frames from the next one on whose passes the Vulkan half does not follow.
-    pub unfollowed: u32,
+    pub untracked_frames: u32,
     /// GPU times of earlier frames that became known.
     pub times: SmallVec<[FrameTimeRecord; MOST_FRAME_TIMES]>,
     /// Stale tiles of the left and of the right eye's image.

@@ -59,8 +59,12 @@ impl Log {
     }
 
     /// Frames from the current one on in which [`Self::rests`] holds.
-    pub fn unfollowed(&self) -> u32 {
-        if self.notes.is_wanted() { 0 } else { self.rest.unfollowed(self.frame).saturating_sub(AHEAD) as u32 }
+    pub fn untracked_frames(&self) -> u32 {
+        if self.notes.is_wanted() {
+            0
+        } else {
+            self.rest.untracked_frames(self.frame).saturating_sub(AHEAD) as u32
+        }
     }
 
     /// Skips frames whose passes were not followed.
@@ -257,7 +261,7 @@ mod tests {
         let minute = |log: &mut Log| {
             let count = |_| {
                 let counted = (log.rests(), log.follows());
-                assert_eq!(log.unfollowed() > 0, log.rests());
+                assert_eq!(log.untracked_frames() > 0, log.rests());
                 log.begin_next(&objects);
                 counted
             };

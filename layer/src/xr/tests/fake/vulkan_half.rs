@@ -31,7 +31,7 @@ thread_local! {
     /// Whether a GPU renders, and its time for a frame, nanoseconds: without rates and with them.
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
     /// Frames from the next one on that are not followed.
-    pub static UNFOLLOWED: Cell<u32> = const { Cell::new(0) };
+    pub static UNTRACKED_FRAMES: Cell<u32> = const { Cell::new(0) };
     /// Stale tiles of the right eye's pictures, in rows of 32 tiles.
     pub static STALE_WORDS: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
     /// Decisions of this half: number of the topic, line and reason.
@@ -285,7 +285,7 @@ unsafe extern "C" fn end_frame(
 ) -> u32 {
     note("end_frame");
     // SAFETY: the other half passes a valid record.
-    FRAMES.set(FRAMES.get() + 1 + u64::from(unsafe { (*submission).unnoticed }));
+    FRAMES.set(FRAMES.get() + 1 + u64::from(unsafe { (*submission).skipped_frames }));
     if let Some(ns) = GPU_NS.get() {
         let ns = ns[usize::from(IS_ON.get())];
         TIMES.with_borrow_mut(|times| {
@@ -305,7 +305,7 @@ unsafe extern "C" fn end_frame(
     report.frame = FRAMES.get();
     report.passes_with_rates = if IS_ON.get() { PASSES.get() } else { 0 };
     report.eye_passes = PASSES.get();
-    report.unfollowed = UNFOLLOWED.get();
+    report.untracked_frames = UNTRACKED_FRAMES.get();
     report.decisions = DECISIONS.with_borrow(Vec::len) as u32;
     TIMES.with_borrow_mut(|times| {
         let is_old = |time: &&FrameTimeRecord| time.frame + 2 <= FRAMES.get();
