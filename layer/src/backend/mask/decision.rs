@@ -155,7 +155,7 @@ impl Masks {
         };
         let layers = target.layers();
         // Copying all of a picture there and back costs more than many a pass.
-        let is_unfilled = target.leaves_out() && !how.coarsens;
+        let is_unfilled = target.skips_stale_tiles() && !how.coarsens;
         let failed = |error: GpuError| {
             error.log("no mask for a render pass");
             Unmasked::Failed

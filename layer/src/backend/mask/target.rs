@@ -312,7 +312,7 @@ impl RateMap for TargetMask {
 
     /// Images of a swapchain have no reader before they are composed; images on the way there are read beyond their own pixels (filters,
     /// bloom), and filled; so is depth that is needed.
-    fn leaves_out(&self) -> bool {
+    fn skips_stale_tiles(&self) -> bool {
         let seen = self.seen();
         seen.is_shown && !seen.keeps_depth
     }

@@ -33,8 +33,8 @@ pub struct Log {
     eye_passes: EyePasses,
     /// [`EyePasses::number`] of the last frame.
     last_eye_passes: u32,
-    /// Tiles that maps left out of each eye's picture, in the current frame and in the last.
-    left_out: [[StaleTiles; 2]; 2],
+    /// Stale tiles of each eye buffer that passes did not render, in the current frame and in the last.
+    stale_tiles: [[StaleTiles; 2]; 2],
 }
 
 impl Log {
@@ -109,16 +109,16 @@ impl Log {
         self.recognition.feedback()
     }
 
-    /// Passes that are submitted leave that out of the pictures of the eyes.
-    pub fn leave_out(&mut self, stale: &[StaleTiles; 2]) {
-        for (left_out, stale) in self.left_out[0].iter_mut().zip(stale) {
-            left_out.unite(stale);
+    /// Adds the stale tiles that submitted passes do not render.
+    pub fn add_stale(&mut self, stale: &[StaleTiles; 2]) {
+        for (tiles, stale) in self.stale_tiles[0].iter_mut().zip(stale) {
+            tiles.unite(stale);
         }
     }
 
-    /// Tiles that passes left out of an eye's picture in the last frame.
+    /// Stale tiles of an eye buffer in the last frame, which passes did not render.
     pub fn stale(&self, eye: usize) -> Option<&StaleTiles> {
-        self.left_out[1].get(eye)
+        self.stale_tiles[1].get(eye)
     }
 
     /// Takes a submitted event. Returns the verdict on a pass that draws to a candidate; on any pass if tests ask for that. `None` for any event
@@ -175,8 +175,8 @@ impl Log {
         self.frame += 1;
         self.with_rates = [0, self.with_rates[0]];
         self.eye_passes.clear();
-        self.left_out.swap(0, 1);
-        self.left_out[0].iter_mut().for_each(StaleTiles::clear);
+        self.stale_tiles.swap(0, 1);
+        self.stale_tiles[0].iter_mut().for_each(StaleTiles::clear);
     }
 }
 

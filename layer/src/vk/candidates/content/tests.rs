@@ -102,7 +102,7 @@ fn many_rectangles_are_too_many() {
 fn stale_tiles_are_known_for_shown_eyes() {
     let mut content = Content::default();
     note(&mut content, 1, AREA, &full());
-    assert!(!content.leaves_out());
+    assert!(!content.has_stale_tiles());
     uploaded(&mut content, 1);
     let [left, right] = content.stale();
     assert!(left.is_stale([0, 0]) && !left.is_stale([1, 0]) && right.is_empty());
@@ -113,7 +113,7 @@ fn stale_tiles_are_known_for_shown_eyes() {
     note(&mut content, 3, [10, 10, 5, 5], &[]);
     assert_eq!(content.need(1), Need::Upload);
     uploaded(&mut content, 1);
-    assert!(!content.leaves_out(), "something else is drawn over it");
+    assert!(!content.has_stale_tiles(), "something else is drawn over it");
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn a_target_on_two_queues_is_not_written_any_more_but_to_shade_all() {
     assert_eq!(content.need(1), Need::Upload);
     assert!(content.whole().1.is_empty());
     uploaded(&mut content, 1);
-    assert_eq!((content.need(2), content.leaves_out()), (Need::None, false));
+    assert_eq!((content.need(2), content.has_stale_tiles()), (Need::None, false));
 }
 
 #[test]
