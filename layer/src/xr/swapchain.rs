@@ -49,7 +49,7 @@ pub struct Swapchain {
     /// Our images, if it is virtual.
     pub substitute: Option<Substitute>,
     description: Description,
-    turns: Mutex<AcquiredImages>,
+    acquired_images: Mutex<AcquiredImages>,
     drawn_over: Mutex<DrawnOver>,
     depth: Mutex<Depth>,
     is_announced: AtomicBool,
@@ -67,7 +67,7 @@ impl Swapchain {
             session: Arc::clone(session),
             substitute,
             description,
-            turns: Mutex::default(),
+            acquired_images: Mutex::default(),
             drawn_over: Mutex::default(),
             depth: Mutex::default(),
             is_announced: AtomicBool::new(false),
@@ -84,15 +84,15 @@ impl Swapchain {
         self.description.extent_and_layers()
     }
 
-    fn turns(&self) -> MutexGuard<'_, AcquiredImages> {
-        self.turns.lock().unwrap_or_else(PoisonError::into_inner)
+    fn acquired_images(&self) -> MutexGuard<'_, AcquiredImages> {
+        self.acquired_images.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The image that the application released last.
     fn newest_image(&self) -> Option<u32> {
         match &self.substitute {
             Some(substitute) => substitute.ring().newest().map(|newest| newest.index),
-            None => self.turns().newest(),
+            None => self.acquired_images().newest(),
         }
     }
 

@@ -274,7 +274,7 @@ impl Kept {
     fn picture_depth(&self) -> Option<PictureDepth<'_>> {
         self.depth.as_ref().map(|depth| PictureDepth {
             kept: &depth.newest.kept,
-            turn: depth.newest.turn,
+            copy: depth.newest.copy,
             array_layer: depth.array_layer,
             rect: depth.rect,
         })
@@ -317,8 +317,8 @@ impl EyeHistory {
     fn keep(&mut self, len: usize) {
         self.len = len;
         for (index, kept) in self.pictures.iter_mut().enumerate() {
-            let is_there = |depth: &ShownDepth| depth.newest.kept.is_there(depth.newest.turn);
-            kept.depth = kept.depth.take().filter(|depth| index < len && is_there(depth));
+            let has_copy = |depth: &ShownDepth| depth.newest.kept.has_copy(depth.newest.copy);
+            kept.depth = kept.depth.take().filter(|depth| index < len && has_copy(depth));
         }
     }
 

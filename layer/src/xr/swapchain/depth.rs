@@ -28,7 +28,7 @@ impl Depth {
     fn with_copy(self, index: u32) -> Self {
         let Self::Available { source, .. } = self else { return self };
         match source.copy(index) {
-            Ok(turn) => Self::Available { source, newest: Some(turn) },
+            Ok(copy) => Self::Available { source, newest: Some(copy) },
             // The device is behind: this image has no depth copy.
             Err(GpuError::Timeout) => Self::Available { source, newest: None },
             Err(error) => {
@@ -45,7 +45,7 @@ pub struct NewestDepth {
     /// The copies.
     pub kept: Arc<KeptDepth>,
     /// Number of its copy, counted from 1.
-    pub turn: u64,
+    pub copy: u64,
 }
 
 /// Whether the depth of a swapchain that is created so may be read: re-used tiles are followed by it as the head moves. Masks need depth
@@ -74,7 +74,7 @@ impl Swapchain {
         let config = active.plan.config();
         let is_of_use = active.health() == Health::Works && is_wanted(active, &config);
         let tools = active.made_tools().filter(|_| is_of_use);
-        let index = self.turns().ready();
+        let index = self.acquired_images().ready();
         // Never again after a panic.
         let known = std::mem::replace(&mut *self.depth(), Depth::Unavailable);
         let next = match (known, tools.zip(index)) {
@@ -115,8 +115,8 @@ impl Swapchain {
     /// The depth of the image that the application released last, if it was copied.
     pub(super) fn newest_depth(&self) -> Option<NewestDepth> {
         match &*self.depth() {
-            Depth::Available { source, newest: Some(turn) } => {
-                Some(NewestDepth { kept: Arc::clone(source.kept()), turn: *turn })
+            Depth::Available { source, newest: Some(copy) } => {
+                Some(NewestDepth { kept: Arc::clone(source.kept()), copy: *copy })
             }
             Depth::Available { .. } | Depth::Unknown | Depth::Unavailable => None,
         }

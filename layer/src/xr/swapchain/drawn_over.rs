@@ -19,7 +19,7 @@ impl Swapchain {
     /// Calls `draw` with the runtime's images, and which of them the application is about to return; where nothing may be drawn over them,
     /// that is logged once.
     pub fn draw_over<T>(&self, gpu: &Arc<Gpu>, draw: impl FnOnce(&RuntimeImages, u32) -> T) -> Option<T> {
-        let index = self.turns().ready()?;
+        let index = self.acquired_images().ready()?;
         let is_new = matches!(*self.drawn_over(), DrawnOver::Unknown);
         if is_new {
             // Made without the lock, which is not held across calls down.
