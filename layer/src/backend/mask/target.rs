@@ -1,7 +1,7 @@
 //! The mask of one colour target: evidence of its passes, and the map once there is one.
 
 use super::Masks;
-use crate::backend::mask::{Eligible, MaskMap, PipelineFacts, Way};
+use crate::backend::mask::{Eligible, MaskMap, MaskMethod, PipelineFacts};
 use crate::backend::{MapForm, MapSize, RateMap, Upload};
 use crate::gpu::{AppCommands, Compilation, Later};
 use crate::kernels::mask::MaskOutput;
@@ -215,7 +215,7 @@ impl TargetMask {
             Some(map) => Ok(Arc::clone(map)),
             // One for passes with depth comes, or none.
             None if has_depth && instead == Unmasked::NoDepth => Err(instead),
-            None => self.map(Way::RETURN),
+            None => self.map(MaskMethod::RETURN),
         }
     }
 

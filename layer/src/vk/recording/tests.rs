@@ -1,5 +1,5 @@
 use super::*;
-use crate::backend::mask::{Directions, DynamicStencil, Returns};
+use crate::backend::mask::{Directions, DynamicStencil, EarlyReturnSupport};
 use crate::pass_detection::{ImageKey, PassFacts, Target, Transfer, TransferKind};
 
 fn target(image: u64) -> Target {
@@ -45,7 +45,7 @@ const LESS: PipelineFacts = PipelineFacts {
     dynamic_stencil: DynamicStencil { test: false, op: false },
     are_unknown: false,
     directions: Directions { less: true, greater: false },
-    returns: Returns { any: false, keeping_coverage: false },
+    returns: EarlyReturnSupport { any: false, keeping_coverage: false },
 };
 const GREATER: PipelineFacts =
     PipelineFacts { directions: Directions { less: false, greater: true }, ..LESS };
