@@ -9,9 +9,9 @@ mod records;
 
 pub use records::{
     AwaitedPlan, BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord,
-    DecisionRecord, EyeMapRecord, FrameReportRecord, FrameStart, FrameTimeRecord, MOST_FRAME_TIMES, NO_EYE,
-    NO_IMAGE, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord,
-    StaleRecord, SwapchainRecord,
+    DecisionRecord, EyeBufferRecord, EyeMapRecord, FrameReportRecord, FrameStart, FrameTimeRecord,
+    MOST_FRAME_TIMES, NO_EYE, NO_IMAGE, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord,
+    ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 
 use ash::vk;
@@ -58,8 +58,8 @@ pub struct LinkTable {
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
     /// Starts a frame with the settings and the plan that are new in it; not called in frames without any.
     pub begin_frame: unsafe extern "C" fn(device: vk::Device, start: *const FrameStart),
-    /// Sends a finished picture of an eye, between the work that wrote it and the end of the frame, in a section of the runtime.
-    pub picture: unsafe extern "C" fn(device: vk::Device, record: *const PictureRecord),
+    /// Sends a finished eye buffer, between the work that wrote it and the end of the frame, in a section of the runtime.
+    pub eye_buffer: unsafe extern "C" fn(device: vk::Device, record: *const EyeBufferRecord),
     /// Ends the device's frame with its submission, before or after the runtime's xrEndFrame. Writes the report on it to `report`; returns 1,
     /// or 0 when the device is not armed. It waits for nothing.
     pub end_frame: unsafe extern "C" fn(

@@ -91,10 +91,10 @@ pub struct EyeMapRecord {
     pub orientation: [f32; 4],
 }
 
-/// A finished picture of an eye, whose contrast decides the rates of later frames.
+/// A finished eye buffer, whose contrast decides the rates of later frames.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub struct PictureRecord {
+pub struct EyeBufferRecord {
     /// 0: left, 1: right.
     pub eye: u32,
     /// Family and index of the queue on which it was written, and which this thread may use now.

@@ -7,9 +7,9 @@ use super::objects::QueueId;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, FrameReportRecord, FrameStart,
-    GetLink, LINK_VERSION, LinkTable, PictureRecord, RATES_OF_PLAN, RatesCopyRecord, ShownRecord,
-    StaleRecord, SwapchainRecord,
+    CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, EyeBufferRecord,
+    FrameReportRecord, FrameStart, GetLink, LINK_VERSION, LinkTable, RATES_OF_PLAN, RatesCopyRecord,
+    ShownRecord, StaleRecord, SwapchainRecord,
 };
 use crate::status;
 use ash::vk;
@@ -24,7 +24,7 @@ static TABLE: LinkTable = LinkTable {
     capabilities,
     swapchain,
     begin_frame,
-    picture,
+    eye_buffer,
     end_frame,
     stale,
     copy_rates,
@@ -193,10 +193,10 @@ unsafe fn note_start(armed: &Armed, start: &FrameStart) {
 /// # Safety
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
-unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
+unsafe extern "C" fn eye_buffer(device: vk::Device, record: *const EyeBufferRecord) {
     // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
     unsafe {
-        with_armed("vkGetParafoveaLink.picture", device, record, |armed, record| {
+        with_armed("vkGetParafoveaLink.eye_buffer", device, record, |armed, record| {
             if let Some(own) = armed.submitter() {
                 armed.perception.analyze(own, record);
             }

@@ -3,8 +3,8 @@
 mod complete;
 mod debug_view;
 mod depth;
+mod eye_buffers;
 mod history;
-mod pictures;
 mod regions;
 mod report;
 mod work;
@@ -253,7 +253,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     match submit(active, tools, &mut works) {
         Ok(()) => {
             // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
-            unsafe { pictures::notify(frame, &works) };
+            unsafe { eye_buffers::notify(frame, &works) };
             if is_drawn_over {
                 // SAFETY: as above. The debug view is drawn last: no pass of the layer reads it.
                 unsafe { debug_view::draw(frame, &works) };

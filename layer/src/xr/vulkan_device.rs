@@ -4,10 +4,10 @@
 use super::structures::VulkanBinding;
 use crate::config::{Arming, device_armed};
 use crate::link::{
-    BACKEND_NONE, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, FrameReportRecord,
-    FrameStart, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
-    MOST_FRAME_TIMES, PictureRecord, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord, ShownRecord,
-    StaleRecord, SwapchainRecord,
+    BACKEND_NONE, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, EyeBufferRecord,
+    FrameReportRecord, FrameStart, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable,
+    LoaderGetDeviceProcAddr, MOST_FRAME_TIMES, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord,
+    ShownRecord, StaleRecord, SwapchainRecord,
 };
 use crate::pass_detection::Feedback;
 use crate::status::{Decision, Topic};
@@ -134,14 +134,14 @@ impl VulkanDevice {
         unsafe { (self.table.begin_frame)(self.record.device, start) }
     }
 
-    /// Sends a finished picture of an eye.
+    /// Sends a finished eye buffer.
     ///
     /// # Safety
     ///
-    /// As [`PictureRecord`] demands.
-    pub unsafe fn notify_picture(&self, record: &PictureRecord) {
-        // SAFETY: the device is live, as above; the record is as [`PictureRecord`] demands.
-        unsafe { (self.table.picture)(self.record.device, record) }
+    /// As [`EyeBufferRecord`] demands.
+    pub unsafe fn notify_eye_buffer(&self, record: &EyeBufferRecord) {
+        // SAFETY: the device is live, as above; the record is as [`EyeBufferRecord`] demands.
+        unsafe { (self.table.eye_buffer)(self.record.device, record) }
     }
 
     /// Ends a frame with its submission, and takes the report on it. A steady frame allocates nothing.

@@ -1,6 +1,6 @@
 //! Completion of a frame's pictures from earlier ones.
 
-use super::history::{CompletionSettings, Expected, History, ShownPicture};
+use super::history::{CompletionSettings, Expected, History, ShownEyeBuffer};
 use super::work::Work;
 use super::{FrameEnd, Works, depth};
 use crate::config::{Config, longest_period, wants_reuse};
@@ -42,7 +42,7 @@ pub fn complete<'a>(
     let mut sorted = active.plan.sorted();
     for eye in 0..2 {
         let shown = scene.as_ref().and_then(|scene| picture(scene, eye, submission.time, works));
-        let is_others = |(other, _): (ShownPicture, &Work)| {
+        let is_others = |(other, _): (ShownEyeBuffer, &Work)| {
             shown.is_some_and(|(shown, _)| {
                 (shown.substitute, shown.array_layer, shown.rect)
                     == (other.substitute, other.array_layer, other.rect)
@@ -131,7 +131,7 @@ fn picture<'a, 'b>(
     eye: usize,
     time: xr::Time,
     works: &'b Works<'a>,
-) -> Option<(ShownPicture, &'b Work<'a>)> {
+) -> Option<(ShownEyeBuffer, &'b Work<'a>)> {
     let view = scene.views.get(eye)?;
     let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain)?;
     Some((work.picture(view, scene.space, time)?, work))

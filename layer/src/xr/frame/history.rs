@@ -83,7 +83,7 @@ pub struct ShownDepth {
 
 /// A picture as a frame shows it.
 #[derive(Debug, Clone, Copy)]
-pub struct ShownPicture {
+pub struct ShownEyeBuffer {
     /// Number of its virtual swapchain.
     pub substitute: u64,
     /// The space of its pose.
@@ -111,7 +111,7 @@ impl History {
     pub fn show(
         &mut self,
         eye: usize,
-        shown: Option<(&ShownPicture, Option<ShownDepth>)>,
+        shown: Option<(&ShownEyeBuffer, Option<ShownDepth>)>,
         is_intact: impl Fn(u64) -> bool,
         stale: impl FnOnce(&mut StaleTiles),
     ) -> bool {
@@ -245,7 +245,7 @@ struct Kept {
 }
 
 impl Kept {
-    fn new(number: u64, (shown, depth): (&ShownPicture, Option<ShownDepth>), stale: StaleTiles) -> Self {
+    fn new(number: u64, (shown, depth): (&ShownEyeBuffer, Option<ShownDepth>), stale: StaleTiles) -> Self {
         let vk::Rect2D { offset, extent } = shown.rect;
         Self {
             number,
@@ -284,7 +284,7 @@ impl Kept {
 impl EyeHistory {
     fn show(
         &mut self,
-        (shown, depth): (&ShownPicture, Option<ShownDepth>),
+        (shown, depth): (&ShownEyeBuffer, Option<ShownDepth>),
         is_intact: impl Fn(u64) -> bool,
         stale: impl FnOnce(&mut StaleTiles),
     ) -> bool {
@@ -322,7 +322,7 @@ impl EyeHistory {
         }
     }
 
-    fn push(&mut self, shown: (&ShownPicture, Option<ShownDepth>), stale: impl FnOnce(&mut StaleTiles)) {
+    fn push(&mut self, shown: (&ShownEyeBuffer, Option<ShownDepth>), stale: impl FnOnce(&mut StaleTiles)) {
         let mut tiles = match self.pictures.len() > MAX_AGES {
             true => self.pictures.pop().map(|kept| kept.stale).unwrap_or_default(),
             false => StaleTiles::default(),

@@ -9,10 +9,10 @@ const FRAME_NS: i64 = 11_111_111;
 const ALWAYS: fn(u64) -> bool = |_| true;
 
 /// Picture `number` of an application that draws to five images in turn.
-fn shown(number: u64) -> ShownPicture {
+fn shown(number: u64) -> ShownEyeBuffer {
     let fov = Fov { left: -0.8, right: 0.8, up: 0.5, down: -0.5 };
     let extent = vk::Extent2D { width: EXTENT[0], height: EXTENT[1] };
-    ShownPicture {
+    ShownEyeBuffer {
         substitute: 1,
         space: xr::Space::from_raw(7),
         time: xr::Time::from_nanos(number as i64 * FRAME_NS),
@@ -83,9 +83,9 @@ fn unrelated_pictures_begin_a_new_history() {
     let later = |ns: i64| xr::Time::from_nanos(2 * FRAME_NS + ns);
     let next = shown(3);
     for (what, picture) in [
-        ("another swapchain", ShownPicture { substitute: 2, ..next }),
-        ("a pause", ShownPicture { time: later(LONGEST_GAP_NS + 1), ..next }),
-        ("time that runs back", ShownPicture { time: later(-1), ..next }),
+        ("another swapchain", ShownEyeBuffer { substitute: 2, ..next }),
+        ("a pause", ShownEyeBuffer { time: later(LONGEST_GAP_NS + 1), ..next }),
+        ("time that runs back", ShownEyeBuffer { time: later(-1), ..next }),
     ] {
         let mut history = of_two();
         history.show(0, Some((&picture, None)), ALWAYS, left_half_is_stale);
@@ -99,7 +99,7 @@ fn unrelated_pictures_begin_a_new_history() {
     let mut history = of_two();
     history.show(
         0,
-        Some((&ShownPicture { time: later(LONGEST_GAP_NS), ..next }, None)),
+        Some((&ShownEyeBuffer { time: later(LONGEST_GAP_NS), ..next }, None)),
         ALWAYS,
         left_half_is_stale,
     );
@@ -109,7 +109,7 @@ fn unrelated_pictures_begin_a_new_history() {
 #[test]
 fn rendered_tiles_are_compared() {
     let mut history = History::default();
-    let still = |number: u64| ShownPicture { view: shown(1).view, ..shown(number) };
+    let still = |number: u64| ShownEyeBuffer { view: shown(1).view, ..shown(number) };
     history.show(0, Some((&still(1), None)), ALWAYS, nothing_is_stale);
     history.show(0, Some((&still(2), None)), ALWAYS, left_half_is_stale);
     history.show(0, Some((&still(3), None)), ALWAYS, left_half_is_stale);
@@ -142,7 +142,7 @@ fn rendered_tiles_are_compared() {
 fn another_rectangle_goes_on() {
     let mut history = of_two();
     let extent = vk::Extent2D { width: 48, height: 24 };
-    let smaller = ShownPicture { rect: vk::Rect2D { extent, ..shown(3).rect }, ..shown(3) };
+    let smaller = ShownEyeBuffer { rect: vk::Rect2D { extent, ..shown(3).rect }, ..shown(3) };
     history.show(0, Some((&smaller, None)), ALWAYS, left_half_is_stale);
     let region = history.region(0, CompletionSettings::TURNED).unwrap();
     assert_eq!((region.reuse.ages(), region.rect.extent), (2, extent));
@@ -151,11 +151,11 @@ fn another_rectangle_goes_on() {
 #[test]
 fn the_same_picture_again_is_no_other() {
     let mut history = of_two();
-    let again = ShownPicture { time: shown(5).time, ..shown(2) };
+    let again = ShownEyeBuffer { time: shown(5).time, ..shown(2) };
     history.show(0, Some((&again, None)), ALWAYS, |_| panic!("it is known"));
     assert_eq!(ages(&history), 1);
     let next =
-        ShownPicture { time: xr::Time::from_nanos(again.time.as_nanos() + LONGEST_GAP_NS), ..shown(3) };
+        ShownEyeBuffer { time: xr::Time::from_nanos(again.time.as_nanos() + LONGEST_GAP_NS), ..shown(3) };
     history.show(0, Some((&next, None)), ALWAYS, left_half_is_stale);
     assert_eq!(ages(&history), 2, "shown without a gap");
 }
@@ -164,8 +164,8 @@ fn the_same_picture_again_is_no_other() {
 #[test]
 fn a_picture_in_another_space_is_completed_without_a_turn_and_the_next_begins_anew() {
     let mut history = of_two();
-    let moved = |number| ShownPicture { space: xr::Space::from_raw(8), ..shown(number) };
-    let show = |history: &mut History, picture: &ShownPicture| {
+    let moved = |number| ShownEyeBuffer { space: xr::Space::from_raw(8), ..shown(number) };
+    let show = |history: &mut History, picture: &ShownEyeBuffer| {
         let goes_on = history.show(0, Some((picture, None)), ALWAYS, left_half_is_stale);
         history.complete(0, CompletionSettings::TURNED, None, None);
         let region = history.region(0, CompletionSettings::TURNED).unwrap();
@@ -183,10 +183,10 @@ fn a_picture_in_another_space_is_completed_without_a_turn_and_the_next_begins_an
 fn pictures_of_swapchains_in_turn_do_not_go_on() {
     let mut history = History::default();
     for number in 1..6 {
-        let picture = ShownPicture { substitute: number % 2, ..shown(number) };
+        let picture = ShownEyeBuffer { substitute: number % 2, ..shown(number) };
         assert!(!history.show(0, Some((&picture, None)), ALWAYS, nothing_is_stale));
         assert!(history.is_of(0, number % 2) && !history.is_of(0, 2));
     }
-    let picture = ShownPicture { substitute: 1, ..shown(6) };
+    let picture = ShownEyeBuffer { substitute: 1, ..shown(6) };
     assert!(history.show(0, Some((&picture, None)), ALWAYS, nothing_is_stale));
 }

@@ -3,8 +3,8 @@
 use crate::config::Arming;
 use crate::link::{
     AwaitedPlan, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback,
-    DeviceRecord, FrameReportRecord, FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES,
-    PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
+    DeviceRecord, EyeBufferRecord, FrameReportRecord, FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable,
+    MOST_FRAME_TIMES, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
     SwapchainRecord,
 };
 use ash::vk;
@@ -88,7 +88,7 @@ pub fn table() -> LinkTable {
         capabilities,
         swapchain,
         begin_frame,
-        picture,
+        eye_buffer,
         end_frame,
         stale,
         copy_rates,
@@ -271,8 +271,8 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
 /// # Safety
 ///
 /// As the call.
-unsafe extern "C" fn picture(_: vk::Device, _: *const PictureRecord) {
-    note("picture");
+unsafe extern "C" fn eye_buffer(_: vk::Device, _: *const EyeBufferRecord) {
+    note("eye_buffer");
 }
 
 /// # Safety

@@ -1,5 +1,5 @@
 use super::*;
-use crate::xr::frame::history::{History, ShownPicture};
+use crate::xr::frame::history::{History, ShownEyeBuffer};
 use ash::vk;
 use glam::Vec3;
 use openxr_sys::{self as xr, Handle};
@@ -20,8 +20,8 @@ fn view(number: u64) -> planner::View {
     }
 }
 
-fn shown(number: u64, view: planner::View) -> ShownPicture {
-    ShownPicture {
+fn shown(number: u64, view: planner::View) -> ShownEyeBuffer {
+    ShownEyeBuffer {
         substitute: 1,
         space: xr::Space::from_raw(7),
         time: xr::Time::from_nanos(number as i64 * 11_111_111),

@@ -4,7 +4,7 @@ use super::Tools;
 use super::eye::EyeTiles;
 use crate::gpu::GpuError;
 use crate::kernels::analyze::{AnalyzeParams, AnalyzeTarget};
-use crate::link::PictureRecord;
+use crate::link::EyeBufferRecord;
 use ash::vk;
 use parafovea_core::color::Matrix;
 use parafovea_core::kernels::analyze::{Aggregation, ContrastSettings};
@@ -15,13 +15,13 @@ const MOST: usize = 64;
 
 /// The pictures of a session.
 #[derive(Default)]
-pub struct Pictures {
+pub struct EyeBuffers {
     known: Vec<Known>,
 }
 
 /// Place of a picture, and the parameters of its analysis.
 #[derive(Clone, Copy, PartialEq)]
-struct PictureKey {
+struct EyeBufferKey {
     swapchain: u64,
     image: vk::Image,
     format: vk::Format,
@@ -32,15 +32,15 @@ struct PictureKey {
 }
 
 struct Known {
-    key: PictureKey,
+    key: EyeBufferKey,
     tiles: Arc<EyeTiles>,
     target: Arc<AnalyzeTarget>,
 }
 
-impl Pictures {
+impl EyeBuffers {
     /// The analysis of a picture into these tiles, if it was made before.
-    pub fn find(&self, record: &PictureRecord, tiles: &Arc<EyeTiles>) -> Option<Arc<AnalyzeTarget>> {
-        let key = PictureKey::of(record);
+    pub fn find(&self, record: &EyeBufferRecord, tiles: &Arc<EyeTiles>) -> Option<Arc<AnalyzeTarget>> {
+        let key = EyeBufferKey::of(record);
         let known = self.known.iter().find(|known| known.key == key && Arc::ptr_eq(&known.tiles, tiles));
         known.map(|known| Arc::clone(&known.target))
     }
@@ -48,14 +48,14 @@ impl Pictures {
     /// Keeps the analysis of a picture.
     pub fn keep(
         &mut self,
-        record: &PictureRecord,
+        record: &EyeBufferRecord,
         tiles: &Arc<EyeTiles>,
         target: AnalyzeTarget,
     ) -> Arc<AnalyzeTarget> {
         if self.known.len() >= MOST {
             self.known.clear();
         }
-        let (key, target) = (PictureKey::of(record), Arc::new(target));
+        let (key, target) = (EyeBufferKey::of(record), Arc::new(target));
         self.known.push(Known { key, tiles: Arc::clone(tiles), target: Arc::clone(&target) });
         target
     }
@@ -68,9 +68,9 @@ impl Pictures {
     }
 }
 
-impl PictureKey {
-    fn of(record: &PictureRecord) -> Self {
-        let PictureRecord { swapchain, image, format, layer, rect, white_cd_m2, is_mean, .. } = *record;
+impl EyeBufferKey {
+    fn of(record: &EyeBufferRecord) -> Self {
+        let EyeBufferRecord { swapchain, image, format, layer, rect, white_cd_m2, is_mean, .. } = *record;
         Self { swapchain, image, format, layer, rect, white_cd_m2, is_mean }
     }
 }
@@ -81,7 +81,7 @@ impl PictureKey {
 /// A failed call.
 pub fn target(
     tools: &Tools,
-    record: &PictureRecord,
+    record: &EyeBufferRecord,
     texel: [u32; 2],
     tiles: &Arc<EyeTiles>,
 ) -> Result<AnalyzeTarget, GpuError> {

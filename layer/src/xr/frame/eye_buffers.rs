@@ -3,7 +3,7 @@
 use super::FrameEnd;
 use super::work::Work;
 use crate::config::{Config, RatesMode, wants_contrast};
-use crate::link::PictureRecord;
+use crate::link::EyeBufferRecord;
 use crate::xr::session::{Active, Health};
 use crate::xr::submission::{Projection, ProjectionView};
 use glam::Quat;
@@ -26,7 +26,7 @@ pub unsafe fn notify(frame: &FrameEnd, works: &[Work]) {
         let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain);
         if let Some(record) = work.and_then(|work| record(active, config, eye, view, work, to_world)) {
             // SAFETY: the image lives until its swapchain ends, which is said; it was just written, and is in that layout.
-            unsafe { active.device.notify_picture(&record) };
+            unsafe { active.device.notify_eye_buffer(&record) };
         }
     }
 }
@@ -47,7 +47,7 @@ fn record(
     view: &ProjectionView,
     work: &Work,
     to_world: Quat,
-) -> Option<PictureRecord> {
+) -> Option<EyeBufferRecord> {
     let (image, format, rect) = work.finished(view)?;
     let tangents = view.fov.tangents();
     // The plan's first row is the top.
@@ -56,7 +56,7 @@ fn record(
     }
     let plane = tangents.plane([rect.extent.width, rect.extent.height]);
     let (family, index) = active.device.queue;
-    Some(PictureRecord {
+    Some(EyeBufferRecord {
         eye,
         queue: [family, index],
         swapchain: work.swapchain.handle.into_raw(),
