@@ -67,7 +67,7 @@ pub struct LinkTable {
         submission: *const ShownRecord,
         report: *mut FrameReportRecord,
     ) -> u32,
-    /// Writes the stale tiles of an eye's image (0: left, 1: right) in the last frame to `record`, as [`Self::end_frame`] does: for words
+    /// Writes the stale tiles of an eye buffer (0: left, 1: right) in the last frame to `record`, as [`Self::end_frame`] does: for words
     /// that had no room there. Returns 1, or 0 if everything is fresh.
     pub stale: unsafe extern "C" fn(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32,
     /// Copies the rates that the GPU decided last for an eye, in a submit of its own, in a section of the runtime. Returns

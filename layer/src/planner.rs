@@ -71,7 +71,7 @@ pub struct SessionPlanner {
     techniques: Techniques<bool>,
     /// Whether the gates keep every technique off, with no trial under way or due.
     are_resting: bool,
-    /// Whether each eye's picture of the frame before this one, with its sources, is kept.
+    /// Whether each eye buffer of the frame before this one, with its sources, is kept.
     has_history: [bool; 2],
     /// The same of this frame.
     keeps_history: [bool; 2],
@@ -155,7 +155,7 @@ impl SessionPlanner {
         self.are_resting && may_try && self.has_maps(config) && !self.has_work(config, can_attenuate)
     }
 
-    /// The current frame ends with a picture of an eye that is kept, with the sources of its stale tiles: the next frame need not render
+    /// The current frame ends with an eye buffer that is kept, with the sources of its stale tiles: the next frame need not render
     /// all of it. Without this call, for any reason, the next frame renders everything: another swapchain, rectangle or field of view,
     /// several projection layers, a picture that could not be composed, no picture.
     pub fn history_kept(&mut self, eye: usize) {

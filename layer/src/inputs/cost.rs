@@ -42,7 +42,7 @@ pub struct OwnWork {
     pub maps_ns: u64,
     /// Contrast of pictures.
     pub analysis_ns: u64,
-    /// Pictures of the eyes: copies, fills, re-use, chroma attenuation, debug views.
+    /// Eye buffers: copies, fills, re-use, chroma attenuation, debug views.
     pub pictures_ns: u64,
 }
 

@@ -81,7 +81,7 @@ pub struct EyeMapRecord {
     pub rates: *const u8,
     /// 1 where the rates of the tiles are to be decided on the GPU, by the fields below; else 0.
     pub is_decided: u32,
-    /// 1 where contrast counts, and the pictures of this eye are to be analysed; else 0.
+    /// 1 where contrast counts, and the eye buffers of this eye are to be analysed; else 0.
     pub is_judged: u32,
     /// Parameters of the decision as long as no contrast is known, or none counts.
     pub fixed: DecideParams,
@@ -153,10 +153,10 @@ pub struct FrameReportRecord {
     pub frame: u64,
     /// Number of passes that were recognised and had the plan's rates.
     pub passes_with_rates: u32,
-    /// Number that distinguishes the set of passes recognised as an eye's image, whether rates are on or not, from other sets; 0: there was
+    /// Number that distinguishes the set of passes recognised as an eye buffer, whether rates are on or not, from other sets; 0: there was
     /// none.
     pub eye_passes: u32,
-    /// Whether passes read images of eyes of earlier frames: [`Feedback::number`](crate::pass_detection::Feedback::number).
+    /// Whether passes read eye buffers of earlier frames: [`Feedback::number`](crate::pass_detection::Feedback::number).
     pub feedback: u32,
     /// Number of decisions so far ([`LinkTable::decision`](super::LinkTable::decision)).
     pub decisions: u32,
@@ -166,11 +166,11 @@ pub struct FrameReportRecord {
     pub time_count: u32,
     /// GPU times of frames that became known, in the order of the frames: a frame or more after each has ended, and of some never.
     pub times: [FrameTimeRecord; MOST_FRAME_TIMES],
-    /// Stale tiles of the left and of the right eye's image. The caller sets `words` and `capacity`.
+    /// Stale tiles of the left and of the right eye buffer. The caller sets `words` and `capacity`.
     pub stale: [StaleRecord; 2],
 }
 
-/// The stale tiles of an eye's image, left out by the maps of all of its passes together, as `StaleTiles` has them.
+/// The stale tiles of an eye buffer, left out by the maps of all of its passes together, as `StaleTiles` has them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct StaleRecord {

@@ -119,7 +119,7 @@ impl Recognition {
         self.pass_history.scene_with_depth(depth)
     }
 
-    /// Use of earlier frames' images in an eye's image, by the evidence of the last frames.
+    /// Use of earlier frames' images in an eye buffer, by the evidence of the last frames.
     pub fn feedback(&self) -> Feedback {
         self.feedback.newest(self.frame)
     }

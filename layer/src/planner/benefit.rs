@@ -17,7 +17,7 @@ pub struct EndedFrame {
     pub wanted: Techniques<bool>,
     /// Number of passes that it gave maps to.
     pub passes: u32,
-    /// Hash of the set of passes that it recognised as an eye's picture, with or without maps; 0: none.
+    /// Hash of the set of passes that it recognised as an eye buffer, with or without maps; 0: none.
     pub eye_passes: u32,
     /// The phase of the gaze.
     pub phase: GazePhase,

@@ -7,7 +7,7 @@ use glam::Vec3;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
 
-/// An overlay over an eye's picture.
+/// An overlay over an eye buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DebugOverlay {
     /// Assumed direction of the gaze, or the direction of the dot, in the view's space, of any length; all 0 if it is not known.

@@ -3,7 +3,7 @@
 use super::SessionPlanner;
 use glam::{Quat, Vec3};
 
-/// The part of an eye's picture that may be re-used in later frames, so that its changes count.
+/// The part of an eye buffer that may be re-used in later frames, so that its changes count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watched {
     orientation: Quat,
@@ -14,7 +14,7 @@ pub struct Watched {
 }
 
 impl SessionPlanner {
-    /// The watched part of pictures of an eye, by the newest plan; `None` where that renders everything in each frame, or it is the other
+    /// The watched part of eye buffers of an eye, by the newest plan; `None` where that renders everything in each frame, or it is the other
     /// eye's turn: both see most of the changes.
     pub fn watched(&self, eye: usize) -> Option<Watched> {
         let plan = self.planner.as_ref()?.newest();

@@ -3,7 +3,7 @@
 use super::rates::{FULL, RateSet, TILE_BYTES, TileBytes, UsedRates};
 use parafovea_core::reuse::StaleTiles;
 
-/// Rates of one eye's picture, see [`crate::link::EyeMapRecord`].
+/// Rates of one eye buffer, see [`crate::link::EyeMapRecord`].
 #[derive(Clone, Debug, Default)]
 pub struct EyeMap {
     extent: [u32; 2],

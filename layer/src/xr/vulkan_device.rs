@@ -180,7 +180,7 @@ impl VulkanDevice {
         }
     }
 
-    /// Takes the stale tiles of an eye's image (0: left, 1: right); asks again with more room if they had too little.
+    /// Takes the stale tiles of an eye buffer (0: left, 1: right); asks again with more room if they had too little.
     fn take_stale(&self, eye: usize, record: &StaleRecord, words: &mut Vec<u32>, stale: &mut StaleTiles) {
         let mut record = *record;
         loop {
@@ -267,9 +267,9 @@ pub struct FrameReport {
     pub frame: u64,
     /// Number of passes that had the plan's rates.
     pub passes_with_rates: u32,
-    /// Number that distinguishes the set of passes recognised as an eye's image, whether rates are on or not, from other sets; 0: none.
+    /// Number that distinguishes the set of passes recognised as an eye buffer, whether rates are on or not, from other sets; 0: none.
     pub eye_passes: u32,
-    /// Whether passes read images of eyes of earlier frames.
+    /// Whether passes read eye buffers of earlier frames.
     pub feedback: Feedback,
     /// Number of decisions so far.
     pub decisions: u32,
@@ -277,7 +277,7 @@ pub struct FrameReport {
     pub untracked_frames: u32,
     /// GPU times of earlier frames that became known.
     pub times: SmallVec<[FrameTimeRecord; MOST_FRAME_TIMES]>,
-    /// Stale tiles of the left and of the right eye's image.
+    /// Stale tiles of the left and of the right eye buffer.
     pub stale: [StaleTiles; 2],
     /// Memory that stale tiles are written to.
     words: [Vec<u32>; 2],

@@ -1,4 +1,4 @@
-//! Whether a pass looks like one that draws the picture of an eye.
+//! Whether a pass looks like one that draws an eye buffer.
 
 use super::Parts;
 use super::projected::Swapchains;

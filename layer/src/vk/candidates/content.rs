@@ -24,7 +24,7 @@ pub struct Content {
     is_changed: bool,
     /// The plan that the map was last resolved from.
     plan: u64,
-    /// The stale tiles that it left out of each eye's picture.
+    /// The stale tiles that it left out of each eye buffer.
     stale: [StaleTiles; 2],
     /// The queue that it is used on.
     queue: vk::Queue,

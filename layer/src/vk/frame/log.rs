@@ -29,7 +29,7 @@ pub struct Log {
     is_incomplete: bool,
     /// Passes that got the plan's rates, in the current frame and in the last.
     with_rates: [u32; 2],
-    /// Passes that were recognised as an eye's picture, in the current frame.
+    /// Passes that were recognised as an eye buffer, in the current frame.
     eye_passes: EyePasses,
     /// [`EyePasses::number`] of the last frame.
     last_eye_passes: u32,
@@ -92,19 +92,19 @@ impl Log {
         self.with_rates[1]
     }
 
-    /// A pass that is submitted is recognised as an eye's picture.
+    /// A pass that is submitted is recognised as an eye buffer.
     pub fn has_eye_pass(&mut self, objects: &Objects, pass: &Pass) {
         if let Some(first) = pass.colors.first().and_then(|target| objects.describe(target.image)) {
             self.eye_passes.add(pass, &first);
         }
     }
 
-    /// [`EyePasses::number`] of the passes that were recognised as an eye's picture in the last frame.
+    /// [`EyePasses::number`] of the passes that were recognised as an eye buffer in the last frame.
     pub fn eye_passes(&self) -> u32 {
         self.last_eye_passes
     }
 
-    /// Use of earlier frames' images in an eye's image, by the evidence of the last frames.
+    /// Use of earlier frames' images in an eye buffer, by the evidence of the last frames.
     pub fn feedback(&self) -> Feedback {
         self.recognition.feedback()
     }

@@ -35,7 +35,7 @@ pub unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
     }
 }
 
-/// Writes the stale tiles of an eye's image in the frame that ended last.
+/// Writes the stale tiles of an eye buffer in the frame that ended last.
 ///
 /// # Safety
 ///

@@ -65,7 +65,7 @@ impl Measured {
     }
 }
 
-/// The tiles of an eye's picture, on the GPU.
+/// The tiles of an eye buffer, on the GPU.
 pub struct EyeTiles {
     /// 0: left, 1: right.
     pub eye: usize,

@@ -1,4 +1,4 @@
-//! The images that finished pictures are in, each ready to be analysed.
+//! The images that finished eye buffers are in, each ready to be analysed.
 
 use super::Tools;
 use super::eye::EyeTiles;
@@ -13,13 +13,13 @@ use std::sync::Arc;
 /// Most images of an application; with more, the list is emptied.
 const MOST: usize = 64;
 
-/// The pictures of a session.
+/// The eye buffers of a session.
 #[derive(Default)]
 pub struct EyeBuffers {
     known: Vec<Known>,
 }
 
-/// Place of a picture, and the parameters of its analysis.
+/// Place of an eye buffer, and the parameters of its analysis.
 #[derive(Clone, Copy, PartialEq)]
 struct EyeBufferKey {
     swapchain: u64,
@@ -38,14 +38,14 @@ struct Known {
 }
 
 impl EyeBuffers {
-    /// The analysis of a picture into these tiles, if it was made before.
+    /// The analysis of an eye buffer into these tiles, if it was made before.
     pub fn find(&self, record: &EyeBufferRecord, tiles: &Arc<EyeTiles>) -> Option<Arc<AnalyzeTarget>> {
         let key = EyeBufferKey::of(record);
         let known = self.known.iter().find(|known| known.key == key && Arc::ptr_eq(&known.tiles, tiles));
         known.map(|known| Arc::clone(&known.target))
     }
 
-    /// Keeps the analysis of a picture.
+    /// Keeps the analysis of an eye buffer.
     pub fn keep(
         &mut self,
         record: &EyeBufferRecord,
@@ -60,7 +60,7 @@ impl EyeBuffers {
         target
     }
 
-    /// Forgets the pictures of a swapchain; whether there were any.
+    /// Forgets the eye buffers of a swapchain; whether there were any.
     pub fn forget(&mut self, swapchain: u64) -> bool {
         let before = self.known.len();
         self.known.retain(|known| known.key.swapchain != swapchain);
@@ -75,7 +75,7 @@ impl EyeBufferKey {
     }
 }
 
-/// Prepares to analyse a picture by tiles of `texel` pixels, which are counted from its own corner.
+/// Prepares to analyse an eye buffer by tiles of `texel` pixels, which are counted from its own corner.
 ///
 /// # Errors
 /// A failed call.

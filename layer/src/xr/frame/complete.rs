@@ -125,7 +125,7 @@ fn watched(planner: &SessionPlanner, config: &Config) -> [Option<Watched>; 2] {
     [0, 1].map(|eye| planner.watched(eye).filter(|_| is_watched))
 }
 
-/// The picture of an eye, where it is in a virtual swapchain.
+/// The eye buffer of a view, where it is in a virtual swapchain.
 fn picture<'a, 'b>(
     scene: &Projection<'_>,
     eye: usize,

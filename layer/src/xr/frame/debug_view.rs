@@ -1,7 +1,7 @@
-//! The layer's decisions, drawn over the finished pictures of the eyes if the configuration, or `parafovea status`, asks for that.
+//! The layer's decisions, drawn over the finished eye buffers if the configuration, or `parafovea status`, asks for that.
 //!
 //! Pictures of virtual swapchains are drawn over at the end of the frame, once they are written. Pictures of other swapchains are drawn over
-//! in the call that returns their image, because the image is the runtime's after it: the places of the eyes' pictures in it are known from
+//! in the call that returns their image, because the image is the runtime's after it: the places of the eye buffers in it are known from
 //! the frame before.
 
 use super::FrameEnd;
@@ -45,7 +45,7 @@ struct ShownEye {
     fov: Fov,
 }
 
-/// An eye's picture that is drawn over.
+/// An eye buffer that is drawn over.
 struct EyePicture<'a> {
     eye: usize,
     shown: ShownEye,
@@ -78,7 +78,7 @@ pub fn is_wanted(active: &Active, config: &Config) -> bool {
     is_asked && !views.has_failed && active.health() == Health::Works
 }
 
-/// Notes the places of the eyes' pictures, for drawing over them before the next frame ends; `number` is the frame's.
+/// Notes the places of the eye buffers, for drawing over them before the next frame ends; `number` is the frame's.
 pub fn note_shown(frame: &FrameEnd, number: u64) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
     if debug_view(config).is_none() {
@@ -90,7 +90,7 @@ pub fn note_shown(frame: &FrameEnd, number: u64) {
     }
 }
 
-/// Draws over the pictures of the eyes that were written in this frame.
+/// Draws over the eye buffers that were written in this frame.
 ///
 /// # Safety
 ///
@@ -108,7 +108,7 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
     unsafe { draw_over(active, config, session.gaze.dot_deg(), pictures.collect()) };
 }
 
-/// Draws over the pictures of the eyes in the image that the application is about to return to the runtime.
+/// Draws over the eye buffers in the image that the application is about to return to the runtime.
 ///
 /// # Safety
 ///

@@ -1,4 +1,4 @@
-//! The finished pictures of a frame, of which the Vulkan half takes the contrast.
+//! The finished eye buffers of a frame, of which the Vulkan half takes the contrast.
 
 use super::FrameEnd;
 use super::work::Work;
@@ -9,7 +9,7 @@ use crate::xr::submission::{Projection, ProjectionView};
 use glam::Quat;
 use openxr_sys::Handle;
 
-/// Passes the Vulkan half the new pictures of the eyes in this frame, which our work has written on the session's queue, before their image
+/// Passes the Vulkan half the new eye buffers of this frame, which our work has written on the session's queue, before their image
 /// is the runtime's again; none if their contrast does not count.
 ///
 /// # Safety

@@ -62,7 +62,7 @@ impl CompletionSettings {
     }
 }
 
-/// The last pictures of both eyes.
+/// The last eye buffers of both eyes.
 #[derive(Debug, Default)]
 pub struct History {
     eyes: [EyeHistory; 2],
@@ -103,7 +103,7 @@ pub struct ShownEyeBuffer {
 }
 
 impl History {
-    /// Takes the picture of an eye (0: left, 1: right) that a frame shows, or none. `is_intact` returns whether the picture of a release is
+    /// Takes the eye buffer (0: left, 1: right) that a frame shows, or none. `is_intact` returns whether the picture of a release is
     /// still intact, and `stale` writes the stale tiles of this one. Its depth comes with it, if that was copied.
     ///
     /// Returns whether this picture goes on from the one before, in one swapchain and one space: then the next one probably does, too, and can
@@ -131,7 +131,7 @@ impl History {
         *len > 0 && of.is_some_and(|(known, _)| known == substitute)
     }
 
-    /// Whether the newest picture of an eye can be followed as the head moves: it has depth, and so has the picture before it.
+    /// Whether the newest eye buffer of an eye can be followed as the head moves: it has depth, and so has the picture before it.
     pub fn has_depth(&self, eye: usize) -> bool {
         let EyeHistory { pictures, len, .. } = &self.eyes[eye];
         *len > 1 && pictures[..2].iter().all(|kept| kept.depth.is_some())
@@ -233,7 +233,7 @@ struct EyeHistory {
 /// One picture.
 #[derive(Debug)]
 struct Kept {
-    /// The number of the eye's picture, counted from 1: its content stays the same, but for its depth.
+    /// The number of the eye buffer, counted from 1: its content stays the same, but for its depth.
     number: u64,
     release: u64,
     image: EarlierImage,

@@ -10,7 +10,7 @@ use glam::{Quat, Vec2};
 use parafovea_core::geometry::{ImagePlane, View};
 use parafovea_core::reuse::{Picture, StaleTiles, Viewpoint};
 
-/// The expected next picture of an eye.
+/// The expected next eye buffer of an eye.
 pub struct Expected<'a> {
     /// Settings of its completion.
     pub settings: CompletionSettings,
@@ -28,7 +28,7 @@ pub struct SortedTiles {
     eyes: [EyeTiles; 2],
 }
 
-/// The tiles of the expected picture of an eye, and their input.
+/// The tiles of the expected eye buffer of an eye, and their input.
 #[derive(Debug, Default)]
 struct EyeTiles {
     /// `None` without an expected picture.
@@ -64,7 +64,7 @@ impl SortedTiles {
         }
     }
 
-    /// Expects another picture of an eye after `pictures`, of which as many will be given up as `lost` were with the last one.
+    /// Expects another eye buffer of an eye after `pictures`, of which as many will be given up as `lost` were with the last one.
     pub(super) fn expect(&mut self, eye: usize, pictures: &[Kept], lost: usize, expected: Expected) {
         let Some(last) = pictures.first() else { return };
         let eye = &mut self.eyes[eye];

@@ -1,4 +1,4 @@
-//! Tiles that a picture of an eye takes from earlier ones, and tiles that are compared with them.
+//! Tiles that an eye buffer takes from earlier ones, and tiles that are compared with them.
 
 use super::CompletionSettings;
 use crate::planner::Watched;
@@ -6,7 +6,7 @@ use glam::Vec2;
 use parafovea_core::geometry::ImagePlane;
 use parafovea_core::reuse::{ComparedTiles, Picture, Reuse, TileLists};
 
-/// The tiles of the newest picture of an eye, by their treatment.
+/// The tiles of the newest eye buffer of an eye, by their treatment.
 #[derive(Debug, Default)]
 pub(super) struct EyeLists {
     /// Tiles by their source; empty if the picture is whole.

@@ -32,7 +32,7 @@ thread_local! {
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
     /// Frames from the next one on that are not followed.
     pub static UNTRACKED_FRAMES: Cell<u32> = const { Cell::new(0) };
-    /// Stale tiles of the right eye's pictures, in rows of 32 tiles.
+    /// Stale tiles of the right eye buffers, in rows of 32 tiles.
     pub static STALE_WORDS: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
     /// Decisions of this half: number of the topic, line and reason.
     pub static DECISIONS: RefCell<Vec<(u32, &'static str, &'static str)>> = const { RefCell::new(Vec::new()) };
