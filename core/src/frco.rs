@@ -119,7 +119,7 @@ pub fn coarsest(band_sensitivity: [f32; BANDS], alpha: f32, rates: &[ShadingRate
 #[inline]
 fn losses(band_sensitivity: [f32; BANDS]) -> [f32; HALF_OCTAVES] {
     let [a, b, c, d] = band_sensitivity.map(f32::abs);
-    // Finite x 0 is 0, anything else NaN. The bands that no rate removes count too: contrast that is no number in
+    // Finite x 0 is 0, anything else NaN. The bands that no rate removes count too: contrast that is not a number in
     // one band is not to be trusted in the others.
     let doubt = a * 0.0 + b * 0.0 + c * 0.0 + d * 0.0;
     [0.5 * a + doubt, a + doubt, a + 0.5 * b + doubt, a + b + doubt]

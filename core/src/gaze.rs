@@ -32,7 +32,7 @@ pub struct GazeSample {
     /// Gaze directions of the left and the right eye, in the view space common to both eyes (+x right, +y up, -z forward), of any
     /// length. A direction that is zero or not finite means that this eye is not tracked.
     pub directions: [Vec3; 2],
-    /// When the eyes looked there, nanoseconds on any one clock (XrTime).
+    /// Time at which the eyes looked there, nanoseconds on any one clock (XrTime).
     pub time_ns: i64,
     /// Whether the tracker stands by it. When false, the directions are not read.
     pub valid: bool,
@@ -143,7 +143,7 @@ impl GazeState {
 
     /// Intersections of the gaze directions with the plane one unit ahead of each eye's view (x to the right, y up).
     /// `orientations` are from each view's space to the common one, so that canted views need no special case. `None` for a
-    /// direction 89 degrees or more from the axis of the view, or for an orientation that is no rotation.
+    /// direction 89 degrees or more from the axis of the view, or for an invalid orientation.
     pub fn tangent_points(&self, orientations: [Quat; 2]) -> [Option<Vec2>; 2] {
         [0, 1].map(|eye| {
             let seen = rotation(orientations[eye])?.inverse() * self.directions[eye];

@@ -52,7 +52,8 @@ pub struct TileRates<'a> {
     pub first: [u32; 2],
     /// Number of columns.
     pub columns: u32,
-    /// [`ShadingRate::texel`] of each tile, with [`STALE`] where it is left out, row by row; beyond them, and where a byte is no rate, every pixel is shaded.
+    /// [`ShadingRate::texel`] of each tile, with [`STALE`] where it is left out, row by row; beyond them, and where a byte is not a rate,
+    /// every pixel is shaded.
     pub rates: &'a [u8],
 }
 

@@ -46,7 +46,7 @@ fn direction(point: vec2<f32>) -> vec2<f32> {
     return params.plane_origin + params.plane_step * point;
 }
 
-// geometry::eccentricity of a direction, less the radius of the region that counts as looked at.
+// geometry::eccentricity of a direction, less the radius of the gaze region.
 fn eccentricity(direction: vec2<f32>, gaze: vec3<f32>, radius: f32) -> f32 {
     let ray = vec3(direction, -1.0);
     return arc_cosine(dot(ray, gaze) * inverseSqrt(dot(ray, ray))) - radius;
@@ -382,7 +382,7 @@ fn whole_pixel(found: Found) -> vec4<f32> {
     return textureSampleLevel(source, between, found.at.xy / found.at.z, 0.0);
 }
 
-// A texel without weight does not count, even if it is no number.
+// A texel without weight does not count, even if it is not a number.
 fn weighted(found: Found, texel: vec2<f32>, weight: f32) -> vec4<f32> {
     return select(vec4(0.0), earlier_texel(found, texel), weight > 0.0) * weight;
 }

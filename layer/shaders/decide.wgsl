@@ -13,14 +13,14 @@ struct DecideParams {
     budget: f32,
     coarsening_budget: f32,
     sensitivity: u32,
-    look_every: u32,
+    full_rate_period: u32,
     plane_origin: vec2<f32>,
     plane_step: vec2<f32>,
     extent: vec2<u32>,
     overhang: vec2<u32>,
     texel: vec2<u32>,
     tiles: vec2<u32>,
-    look_at: u32,
+    full_rate_phase: u32,
     is_turned: u32,
     has_stale: u32,
     holding_budget: f32,
@@ -292,10 +292,10 @@ fn level_at(chord: f32, rings: vec4<f32>) -> u32 {
     return level;
 }
 
-// Whether it is a tile's turn to be seen at full rate.
-fn is_looked_at(index: u32) -> bool {
-    return params.look_every > 0u
-        && ((index * 0x9e3779b1u) >> 8u) % max(params.look_every, 1u) == params.look_at;
+// Whether a tile is shaded at 1x1 in this frame to measure its contrast.
+fn is_full_rate_frame(index: u32) -> bool {
+    return params.full_rate_period > 0u
+        && ((index * 0x9e3779b1u) >> 8u) % max(params.full_rate_period, 1u) == params.full_rate_phase;
 }
 
 fn contrast_of(tile: vec2<u32>) -> TileContrast {
@@ -380,9 +380,9 @@ fn decided(tile: vec2<u32>, middle: vec2<f32>, chord: f32, before: Tile, sensiti
         let is_steady = before.age_ms >= STEADY_MS;
         keep = min(keep, level_within(visible, select(params.holding_budget, params.budget, is_steady)));
         grow = min(grow, level_within(visible, params.coarsening_budget));
-        // Contrast that is no number in one octave is not to be trusted in the others.
+        // Contrast that is not a number in one octave is not to be trusted in the others.
         let is_sound = shown.is_known && is_finite(shown.bands.z + shown.bands.w);
-        if (is_steady && is_looked_at(index)) || !is_sound {
+        if (is_steady && is_full_rate_frame(index)) || !is_sound {
             keep = 0u;
         }
     }

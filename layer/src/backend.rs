@@ -42,8 +42,8 @@ pub trait RateMap: Any + Send + Sync {
     /// not.
     fn submitted(&self, _scene: Option<How>, _has_depth: bool, _frame: u64) {}
 
-    /// Whether its passes leave out stale tiles; else they shade them as coarsely as can be.
-    fn leaves_out(&self) -> bool {
+    /// Whether its passes skip stale tiles; else they shade them as coarsely as can be.
+    fn skips_stale_tiles(&self) -> bool {
         false
     }
 
@@ -53,7 +53,7 @@ pub trait RateMap: Any + Send + Sync {
     }
 
     /// Writes the staged bytes of the map, from the texels of all layers, row by row (`ShadingRate::texel`, and `STALE` only where
-    /// [`Self::leaves_out`] holds), which were resolved into `image` for the pictures of `parts`.
+    /// [`Self::skips_stale_tiles`] holds), which were resolved into `image` for the pictures of `parts`.
     fn stage(&self, _parts: &[Part], _image: &RateImage, texels: &[u8], staging: &mut [u8]) {
         staging.copy_from_slice(texels);
     }

@@ -1,7 +1,8 @@
 //! The shared library that the OpenXR loader and the Vulkan loader both load into an application.
 //!
-//! A frame's path: [`xr`] sees views, gaze and submission and hands a finished frame to [`kernels`], which
-//! draw with [`gpu`] on the device that [`vk`] tracked; [`link`] is where the two halves meet.
+//! The path of a frame: [`xr`] locates gaze and views; [`planner`] makes the plan with `parafovea_core::plan`; [`link`] passes it to [`vk`].
+//! At vkQueueSubmit, [`pass_detection`] recognises the passes of the scene, and [`rate_map`] resolves the plan for the [`backend`] of the
+//! device. At xrEndFrame, [`kernels`] compose the images of virtual swapchains with [`gpu`]. `layer/README.md` lists the calls.
 
 // Unsafe code stays within five modules.
 #![deny(unsafe_code)]

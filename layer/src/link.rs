@@ -9,9 +9,9 @@ mod records;
 
 pub use records::{
     AwaitedPlan, BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord,
-    DecisionRecord, EyeMapRecord, FrameReportRecord, FrameStart, FrameTimeRecord, MOST_FRAME_TIMES, NO_EYE,
-    NO_IMAGE, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord,
-    StaleRecord, SwapchainRecord,
+    DecisionRecord, EyeBufferRecord, EyeMapRecord, FrameReportRecord, FrameStart, FrameTimeRecord,
+    MOST_FRAME_TIMES, NO_EYE, NO_IMAGE, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord,
+    ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 
 use ash::vk;
@@ -35,7 +35,7 @@ pub const RATES_COPIED: u32 = 1;
 pub const RATES_COPY_LEFT_OUT: u32 = 2;
 
 /// A callback before the application's vkDestroyDevice, while the device is still live.
-pub type DeviceEnds = unsafe extern "C" fn(device: vk::Device);
+pub type DestroyDeviceCallback = unsafe extern "C" fn(device: vk::Device);
 
 /// Functions of the Vulkan half for the OpenXR half.
 #[repr(C)]
@@ -58,8 +58,8 @@ pub struct LinkTable {
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
     /// Starts a frame with the settings and the plan that are new in it; not called in frames without any.
     pub begin_frame: unsafe extern "C" fn(device: vk::Device, start: *const FrameStart),
-    /// Sends a finished picture of an eye, between the work that wrote it and the end of the frame, in a section of the runtime.
-    pub picture: unsafe extern "C" fn(device: vk::Device, record: *const PictureRecord),
+    /// Sends a finished eye buffer, between the work that wrote it and the end of the frame, in a section of the runtime.
+    pub eye_buffer: unsafe extern "C" fn(device: vk::Device, record: *const EyeBufferRecord),
     /// Ends the device's frame with its submission, before or after the runtime's xrEndFrame. Writes the report on it to `report`; returns 1,
     /// or 0 when the device is not armed. It waits for nothing.
     pub end_frame: unsafe extern "C" fn(
@@ -67,7 +67,7 @@ pub struct LinkTable {
         submission: *const ShownRecord,
         report: *mut FrameReportRecord,
     ) -> u32,
-    /// Writes the stale tiles of an eye's image (0: left, 1: right) in the last frame to `record`, as [`Self::end_frame`] does: for words
+    /// Writes the stale tiles of an eye buffer (0: left, 1: right) in the last frame to `record`, as [`Self::end_frame`] does: for words
     /// that had no room there. Returns 1, or 0 if everything is fresh.
     pub stale: unsafe extern "C" fn(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32,
     /// Copies the rates that the GPU decided last for an eye, in a submit of its own, in a section of the runtime. Returns
@@ -75,13 +75,13 @@ pub struct LinkTable {
     pub copy_rates: unsafe extern "C" fn(device: vk::Device, record: *const RatesCopyRecord) -> u32,
     /// Has `call` called once when the application destroys the device, before the device is gone. Returns 1, or 0 when the device
     /// is not armed.
-    pub when_it_ends: unsafe extern "C" fn(device: vk::Device, call: DeviceEnds) -> u32,
+    pub on_device_destroyed: unsafe extern "C" fn(device: vk::Device, call: DestroyDeviceCallback) -> u32,
     /// The layout in which the application's submits left a swapchain's image; COLOR_ATTACHMENT_OPTIMAL, as OpenXR has it, for an image
     /// with an unknown layout.
     pub layout: unsafe extern "C" fn(device: vk::Device, image: vk::Image) -> vk::ImageLayout,
     /// Whether the application's submits to queues other than that one (family, index) have used a swapchain's image, or, before
     /// any submit with it, could: 1, or 0.
-    pub is_used_beside:
+    pub is_used_on_other_queues:
         unsafe extern "C" fn(device: vk::Device, image: vk::Image, queue: *const [u32; 2]) -> u32,
     /// Writes the decision of that index, counted from 0 over all devices of the process, to `record`; returns 1, or 0 if there are fewer.
     /// It waits for nothing.

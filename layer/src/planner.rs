@@ -46,7 +46,7 @@ const LONGEST_STEP_BACK_NS: i64 = 1_000_000_000;
 const LONGEST_REUSE_NS: i64 = 50_000_000;
 
 /// Plans the frames of one session.
-pub struct Planning {
+pub struct SessionPlanner {
     /// The views of the eyes.
     pub views: Views,
     capabilities: Capabilities,
@@ -71,7 +71,7 @@ pub struct Planning {
     techniques: Techniques<bool>,
     /// Whether the gates keep every technique off, with no trial under way or due.
     are_resting: bool,
-    /// Whether each eye's picture of the frame before this one, with its sources, is kept.
+    /// Whether each eye buffer of the frame before this one, with its sources, is kept.
     has_history: [bool; 2],
     /// The same of this frame.
     keeps_history: [bool; 2],
@@ -83,20 +83,20 @@ pub struct Planning {
     signal: Signal,
 }
 
-/// The time of the newest plan, and its inputs.
+/// Display time and number of the frame that was planned last.
 #[derive(Clone, Copy, Debug)]
 struct Last {
     time_ns: i64,
     frame: u64,
 }
 
-impl Default for Planning {
+impl Default for SessionPlanner {
     fn default() -> Self {
         Self::new(Capabilities::default())
     }
 }
 
-impl Planning {
+impl SessionPlanner {
     /// Begins without views or gaze, for a device's rates.
     pub fn new(capabilities: Capabilities) -> Self {
         let gaze_settings = GazeSettings::default();
@@ -139,7 +139,7 @@ impl Planning {
         self.frame_rate.frame_at(time_ns, count);
     }
 
-    /// Sets the techniques of the uploaded maps, of all that is planned: the other half gets them from now on.
+    /// Sets the planned techniques whose maps are uploaded from now on.
     ///
     /// Neither technique, and no use for costs of frames, means that the gates rest: maps without a receiver are not planned. Costs are
     /// requested from the beginning of a trial on, whose first stretch is without the technique: rates become coarse within it.
@@ -155,7 +155,7 @@ impl Planning {
         self.are_resting && may_try && self.has_maps(config) && !self.has_work(config, can_attenuate)
     }
 
-    /// The current frame ends with a picture of an eye that is kept, with the sources of its stale tiles: the next frame need not render
+    /// The current frame ends with an eye buffer that is kept, with the sources of its stale tiles: the next frame need not render
     /// all of it. Without this call, for any reason, the next frame renders everything: another swapchain, rectangle or field of view,
     /// several projection layers, a picture that could not be composed, no picture.
     pub fn history_kept(&mut self, eye: usize) {
@@ -178,7 +178,7 @@ impl Planning {
     }
 
     /// Takes the answer of the eye tracker for `time_ns`, with this orientation of the head. Returns the reason why it is rejected, once
-    /// for each reason; untracked eyes are no reason.
+    /// for each reason; untracked eyes are not a reason.
     pub fn look(&mut self, config: &Config, look: Look, head: Quat, time_ns: i64) -> Option<Rejection> {
         let settings = gaze_settings(config);
         if settings != self.gaze_settings {

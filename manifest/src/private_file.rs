@@ -41,7 +41,7 @@ mod tests {
         replace(&path, &next, b"three").unwrap_err();
         assert!(!foreign.exists());
         fs::remove_file(&next).unwrap();
-        // A folder is no file to replace.
+        // A folder is not a file to replace.
         let taken = folder.path().join("taken");
         fs::create_dir(&taken).unwrap();
         replace(&taken, &next, b"three").unwrap_err();

@@ -41,7 +41,7 @@ pub struct Status {
     pub executable: String,
     /// The application's name for OpenXR.
     pub application: String,
-    /// Why nothing is done in this session; empty where it is active.
+    /// Reason why nothing is done in this session; empty where it is active.
     pub inert: String,
     /// The source of the configuration.
     pub settings: Settings,
@@ -83,7 +83,7 @@ pub struct Memory {
     pub all_mib: f32,
     /// That of the pictures that re-use keeps, MiB.
     pub reuse_mib: f32,
-    /// Why re-use keeps no pictures of a swapchain, for lack of memory; empty otherwise.
+    /// Reason why re-use keeps no pictures of a swapchain, for lack of memory; empty otherwise.
     pub refused: String,
 }
 
@@ -93,7 +93,7 @@ pub struct Memory {
 pub struct Decision {
     /// Its subject.
     pub topic: Topic,
-    /// Why it went against the subject, in words of its own; empty for topics without that.
+    /// Reason why it went against the subject, in words of its own; empty for topics without that.
     pub reason: String,
     /// One line with all of it, as the log has it.
     pub line: String,
@@ -184,7 +184,7 @@ pub struct Gaze {
 pub struct Osc {
     /// Address and port; empty: the session receives none, and was not to.
     pub address: String,
-    /// Why it receives none; empty: it does.
+    /// Reason why it receives none; empty: it does.
     pub failure: String,
     /// The format of the sender, such as "VRChat"; empty without one.
     pub format: String,
@@ -192,7 +192,7 @@ pub struct Osc {
     pub packets: u64,
     /// Of these: no OSC, or too large.
     pub malformed: u64,
-    /// Messages about the eyes that are no gaze.
+    /// Messages about the eyes that are not a gaze.
     pub implausible: u64,
     /// Packets about the eyes, from another sender than the one in use.
     pub other_senders: u64,

@@ -79,7 +79,7 @@ fn one(
         .stdout(Stdio::null())
         .spawn()?;
     let shows_file = format!("/proc/{}/schedstat", shows.id());
-    // Its start is no part of it.
+    // Its start is not a part of it.
     sleep(Duration::from_secs(1));
     let (begin, before) = (Instant::now(), [cpu_ns(&shows_file)?, cpu_ns(&tells)?]);
     sleep(Duration::from_secs(seconds));

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// The version of all of it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Why nothing was packed.
+/// Reason why nothing was packed.
 #[derive(Debug, thiserror::Error)]
 pub enum DistError {
     /// A file cannot be read or written.

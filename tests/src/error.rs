@@ -34,7 +34,7 @@ pub enum HarnessError {
     File {
         /// The file or folder.
         path: PathBuf,
-        /// Why.
+        /// Its cause.
         source: std::io::Error,
     },
     /// Installing the layer failed.
@@ -45,7 +45,7 @@ pub enum HarnessError {
     Start {
         /// The program.
         program: PathBuf,
-        /// Why.
+        /// Its cause.
         source: std::io::Error,
     },
     /// An image, record or result does not have its format.

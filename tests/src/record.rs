@@ -29,7 +29,7 @@ pub struct Record {
 pub struct Frame {
     /// From 0.
     pub index: u64,
-    /// When it was to be shown, in nanoseconds of the runtime's clock.
+    /// Display time, in nanoseconds of the runtime's clock.
     pub display_time_ns: i64,
     /// CPU time of the whole process until then, in nanoseconds.
     pub process_cpu_ns: u64,

@@ -171,7 +171,7 @@ fn content_at_rest_follows_the_schedule() {
     }
 }
 
-/// When the lights go out, nothing lit is left in the second frame after that.
+/// Nothing lit is left in the second frame after the lights go out.
 #[test]
 fn a_cut_renders_everything() {
     let cut = RUN_UP + 4;

@@ -23,7 +23,7 @@ const GREATEST_SAMPLE: f32 = 16.0;
 /// Least sample, -300 dB: samples closer to 0 count as 0. It is inaudible, and its square would be denormal.
 const LEAST_SAMPLE: f32 = 1e-15;
 
-/// Why there are no features of a stream.
+/// Reason why there are no features of a stream.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum FormatError {
     /// Not within [`SAMPLE_RATES_HZ`].

@@ -13,9 +13,9 @@ use glam::Vec3;
 /// Area of full colour, and strength of the attenuation elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
-    /// Middle of the directions that count as looked at, of unit length, in the space of the gaze.
+    /// Centre of the gaze region, of unit length, in the space of the gaze.
     pub direction: Vec3,
-    /// Radius of these directions, radians, 0..=pi: eccentricity counts from there on.
+    /// Radius of the gaze region, radians, 0..=pi: eccentricity counts from there on.
     pub radius: f32,
     /// Part of the attenuation that is applied, 0..=1.
     pub strength: f32,

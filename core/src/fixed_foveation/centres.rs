@@ -10,7 +10,7 @@ const AHEAD_DEG: f32 = 5.0;
 
 impl FixedFoveation {
     /// Centres of the rings for an unknown gaze: the optical axes of the left and of the right lens, unit vectors in the space
-    /// common to both views. `orientations` lead there from the views' own spaces; one that is no rotation counts as none.
+    /// common to both views. `orientations` lead there from the views' own spaces; an invalid one counts as none.
     ///
     /// A view of OpenXR looks along -z, where the tangents of its field of view are 0: there a lens is sharpest, and a picture has most pixels a
     /// degree. With canted displays (5 degrees outwards in a Valve Index, 10 in a Pimax) that is beside the head's forward direction, and
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_rotation_is_ahead() {
+    fn an_invalid_orientation_gives_the_forward_direction() {
         let map = FixedFoveation::WITHOUT_TRACKER;
         for orientation in [Quat::from_array([0.0; 4]), Quat::from_array([f32::NAN; 4])] {
             assert_eq!(map.lens_centres([orientation; 2]), [Vec3::NEG_Z; 2]);

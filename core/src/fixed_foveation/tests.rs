@@ -128,7 +128,7 @@ fn map() -> impl Strategy<Value = FixedFoveation> {
     })
 }
 
-/// Infinity less infinity was no number.
+/// Infinity less infinity was not a number.
 #[test]
 fn a_fovea_without_end_is_never_left() {
     let map =

@@ -152,7 +152,7 @@ fn outliers_hide_nothing() {
     }
 }
 
-/// Costs that grow are no difference: 0.05 % a frame, or 4.6 % a second, is not taken for a difference of 1.0.
+/// Costs that grow are not a difference: 0.05 % a frame, or 4.6 % a second, is not taken for a difference of 1.0.
 #[test]
 fn drift_is_no_difference() {
     let mut simulation = Simulation::new(3).ratio(1.0).noise(0.02).growing(1.0005);
@@ -260,7 +260,7 @@ fn two_are_told_apart() {
     }
 }
 
-/// Rates become coarse within a quarter of a second of the start: those frames are no costs of the kept state, or the saving looks smaller
+/// Rates become coarse within a quarter of a second of the start: those frames are not costs of the kept state, or the saving looks smaller
 /// than it is, and the first trial goes on until many later frames outweigh them.
 #[test]
 fn a_ramp_at_the_start_does_not_prolong_the_first_trial() {

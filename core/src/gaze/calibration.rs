@@ -91,7 +91,7 @@ impl fmt::Display for Dots {
     }
 }
 
-/// Why a calibration gave no correction.
+/// Reason why a calibration gave no correction.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationFailure {
     /// It has not come to its end.

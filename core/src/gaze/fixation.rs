@@ -42,7 +42,7 @@ impl DotTiming {
     }
 }
 
-/// Why a look at a dot gave no fixation.
+/// Reason why a look at a dot gave no fixation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NoFixation {
     /// Too few samples.

@@ -21,7 +21,7 @@ pub struct GazeOffset {
     pub spread_deg: f32,
 }
 
-/// Why a measurement gave no offset.
+/// Reason why a measurement gave no offset.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RecentreFailure {
     /// Too few samples.

@@ -4,12 +4,12 @@ use crate::geometry::{Fov, rotation, unit_direction};
 use glam::{Quat, Vec3};
 use std::fmt;
 
-/// Why the newest answer of the eye tracker is not used.
+/// Reason why the newest answer of the eye tracker is not used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rejection {
     /// The tracker does not stand by it: a blink, most often.
     NotTracked,
-    /// It is no direction: zero, or not finite.
+    /// It is not a direction: zero, or not finite.
     NotADirection,
     /// It points backwards (SteamVR with a Pimax does).
     Behind,
@@ -77,7 +77,7 @@ pub(super) fn plausible(directions: [Vec3; 2], reach_deg: f32) -> Result<[Vec3; 
 pub(super) struct Views([(Fov, Quat); 2]);
 
 impl Views {
-    /// Limits of fields of view with rotations to the common space; `None` if one is not finite, has no area or is no rotation.
+    /// Limits of fields of view with rotations to the common space; `None` if one is not finite, has no area or is not a rotation.
     pub(super) fn new(views: [(Fov, Quat); 2]) -> Option<Self> {
         let [left, right] = views.map(|(fov, orientation)| {
             let angles = [fov.left, fov.right, fov.up, fov.down];

@@ -307,7 +307,7 @@ fn the_ray_is_kept_where_the_distance_is_not_known() {
 
 #[test]
 fn a_head_that_is_told_twice_for_one_frame_keeps_its_speed() {
-    // A gaze that turns against a fast head is no saccade, also for the second sample of a frame.
+    // A gaze that turns against a fast head is not a saccade, also for the second sample of a frame.
     let mut tracker = GazeTracker::new(GazeSettings::default());
     let turned = |degrees: f32| Quat::from_rotation_y(degrees.to_radians());
     for step in 0..60 {
@@ -320,7 +320,7 @@ fn a_head_that_is_told_twice_for_one_frame_keeps_its_speed() {
     }
 }
 
-/// Samples are taken once a frame: further apart than an interruption is long, they are no fixation.
+/// Samples are taken once a frame: further apart than an interruption is long, they are not a fixation.
 #[test]
 fn a_gaze_is_relied_on_from_seven_frames_a_second_on() {
     let trust = |hz: i64| {

@@ -57,7 +57,7 @@ struct Seen {
     from_head: Motion,
     /// Orientation of the head at the newest sample, if known.
     head: Option<Quat>,
-    /// When the newest sample came, on the clock of the samples.
+    /// Time at which the newest sample came, on the clock of the samples.
     arrived_ns: i64,
     /// Arrival of the last sample after a gap, or at the end of a saccade.
     settled_ns: i64,
@@ -146,7 +146,7 @@ impl GazeTracker {
         self.views = views.and_then(Views::new);
     }
 
-    /// Why the newest sample was not used; `None` if it was.
+    /// Reason why the newest sample was not used; `None` if it was.
     pub fn rejection(&self) -> Option<Rejection> {
         self.rejection
     }
@@ -197,7 +197,7 @@ impl GazeTracker {
         match self.rejection {
             None => self.ended = false,
             Some(Rejection::Frozen) => self.source_ended(now_ns),
-            // One of these alone is no interruption; a stream of them is, as nothing else arrives.
+            // One of these alone is not an interruption; a stream of them is, as nothing else arrives.
             Some(Rejection::TooFast | Rejection::OutOfOrder) => {}
             Some(_) => {
                 if let Some(seen) = &mut self.seen {

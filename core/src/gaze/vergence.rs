@@ -25,14 +25,14 @@ const FARTHEST_EYE_M: f32 = 0.06;
 /// the rings around both then reach to either side as far as either eye can look, which is a fovea widened along the line
 /// between the eyes.
 ///
-/// The results are unit vectors. A `gaze` that is no direction counts as -z. Eyes at impossible positions (not finite, or
+/// The results are unit vectors. A `gaze` that is not a direction counts as -z. Eyes at impossible positions (not finite, or
 /// more than 6 cm from the ray's origin) are taken to be 63 mm apart.
 pub fn eye_directions(gaze: Vec3, eyes_m: [Vec3; 2], distance_m: Option<f32>) -> [Vec3; 2] {
     let gaze = unit_direction(gaze).unwrap_or(Vec3::NEG_Z);
     let distance = distance_m.filter(|distance| *distance > 0.0).unwrap_or(NEAREST_ASSUMED_M);
     let plausible = eyes_m.iter().all(|eye| eye.is_finite() && eye.length() <= FARTHEST_EYE_M);
     let eyes = if plausible { eyes_m } else { [Vec3::NEG_X * HALF_IPD_M, Vec3::X * HALF_IPD_M] };
-    // Divided by the distance, so that an infinite one is no special case.
+    // Divided by the distance, so that an infinite one is not a special case.
     let nearness = 1.0 / distance.max(NEAREST_M);
     eyes.map(|eye| unit_direction(gaze - eye * nearness).unwrap_or(gaze))
 }

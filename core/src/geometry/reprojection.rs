@@ -22,8 +22,8 @@ pub struct Reprojection {
 }
 
 impl Reprojection {
-    /// The map from pixels of `from` to pixels of `to`. `None` where there is none: an orientation that is no
-    /// rotation (zero or not finite), or a `to` that spans no angle.
+    /// The map from pixels of `from` to pixels of `to`. `None` where there is none: an invalid orientation
+    /// (zero or not finite), or a `to` that spans no angle.
     pub fn between(from: &View, to: &View) -> Option<Self> {
         let turn = rotation(to.orientation)?.inverse() * rotation(from.orientation)?;
         let matrix = to_pixels(&to.plane)? * Mat3::from_quat(turn) * to_directions(&from.plane);

@@ -32,7 +32,7 @@ uniform! {
         pub plane_origin: [f32; 2],
         /// [`ImagePlane::step`] of the region.
         pub plane_step: [f32; 2],
-        /// Middle of the directions that count as looked at, in view space, of unit length; all 0 when there are
+        /// Centre of the gaze region, in view space, of unit length; all 0 when there are
         /// none, and then no work.
         pub gaze: [f32; 3],
         /// [`Curves::plateau`], radians.

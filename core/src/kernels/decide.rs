@@ -40,8 +40,8 @@ uniform! {
         /// [`CastleCsf`](crate::avpm::SensitivityUnit::CastleCsf), 2 [`Tursun`](crate::avpm::SensitivityUnit::Tursun).
         pub sensitivity: u32,
         /// Frames in which each tile where contrast is judged is seen at full rate once, so that detail which only
-        /// its finest octaves hold is found; 0: never. See [`Self::looking`].
-        pub look_every: u32,
+        /// its finest octaves hold is found; 0: never. See [`Self::with_full_rate_period`].
+        pub full_rate_period: u32,
         /// [`ImagePlane::origin`](crate::geometry::ImagePlane::origin) of the view.
         pub plane_origin: [f32; 2],
         /// [`ImagePlane::step`](crate::geometry::ImagePlane::step) of the view.
@@ -54,8 +54,8 @@ uniform! {
         pub texel: [u32; 2],
         /// Columns and rows of tiles.
         pub tiles: [u32; 2],
-        /// Number of the frame modulo `look_every`: selects the tiles that are seen at full rate.
-        pub look_at: u32,
+        /// Number of the frame modulo `full_rate_period`: selects the tiles that are seen at full rate.
+        pub full_rate_phase: u32,
         /// 1 if contrast was measured in a view of another orientation, see [`Self::measured_in`]; else 0, and each tile has its own
         /// contrast.
         pub is_turned: u32,
@@ -80,7 +80,7 @@ uniform! {
     }
 }
 
-/// A tile whose rate changed less than so long ago, milliseconds, is not looked at, and its contrast counts by
+/// A tile whose rate changed less than so long ago, milliseconds, is not shaded at full rate to measure it, and its contrast counts by
 /// [`DecideParams::holding_budget`].
 pub const STEADY_MS: u8 = 100;
 
@@ -90,9 +90,9 @@ const STILL: f32 = 1.0 / 8.0;
 impl DecideParams {
     /// With each tile where contrast is judged seen at full rate once in `every` frames (0: never), of which this is number
     /// `frame`. For contrast that is measured in coarsely shaded images ([`crate::kernels::analyze::restore()`]).
-    pub fn looking(mut self, every: u32, frame: u64) -> Self {
-        self.look_every = every;
-        self.look_at = frame.checked_rem(every.into()).unwrap_or(0) as u32;
+    pub fn with_full_rate_period(mut self, every: u32, frame: u64) -> Self {
+        self.full_rate_period = every;
+        self.full_rate_phase = frame.checked_rem(every.into()).unwrap_or(0) as u32;
         self
     }
 
@@ -160,10 +160,10 @@ impl DecideParams {
         found
     }
 
-    /// Whether it is the turn of tile `index`, counted row by row. Neighbours have their turns at different times.
-    fn is_looked_at(&self, index: u32) -> bool {
-        let turn = index.wrapping_mul(0x9e37_79b1) >> 8;
-        turn.checked_rem(self.look_every) == Some(self.look_at)
+    /// Whether tile `index`, counted row by row, is shaded at 1x1 in this frame to measure its contrast. Neighbours have different frames.
+    fn is_full_rate_frame(&self, index: u32) -> bool {
+        let phase = index.wrapping_mul(0x9e37_79b1) >> 8;
+        phase.checked_rem(self.full_rate_period) == Some(self.full_rate_phase)
     }
 }
 
@@ -241,8 +241,8 @@ fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
     limit_by_rings(grow, chords, &params.coarsening_chords, &params.levels);
     if is_judged {
         for ((index, keep), age_ms) in (0..).zip(keep.iter_mut()).zip(&*ages_ms) {
-            let looks = *age_ms >= STEADY_MS && params.is_looked_at(index);
-            *keep = if looks { 0 } else { *keep };
+            let is_full_rate = *age_ms >= STEADY_MS && params.is_full_rate_frame(index);
+            *keep = if is_full_rate { 0 } else { *keep };
         }
     }
     for (((level, age_ms), keep), grow) in levels.iter_mut().zip(ages_ms).zip(&*keep).zip(&*grow) {

@@ -47,8 +47,8 @@ pub const VIEW_WORDS: usize = 6;
 
 impl MaskParams {
     /// Parameters for pictures of `extent` pixels and `layers` array layers, whose depth is laid out as `format`, with `views` views
-    /// on them, by tiles of `texel` pixels, `tiles` columns and rows. Nothing where the kernel cannot serve those: tiles are no whole blocks, or pixels of a row do not
-    /// begin with a word.
+    /// on them, by tiles of `texel` pixels, `tiles` columns and rows. Nothing where the kernel cannot serve those: tiles are not whole
+    /// blocks, or pixels of a row do not begin with a word.
     pub fn new(
         extent: [u32; 2],
         layers: u32,

@@ -52,7 +52,7 @@ impl RateMapTable {
         Self { words: Vec::new(), pictures: 0, texels, layers }
     }
 
-    /// Adds a picture of an eye in a layer: the columns and rows of its tiles that each column and row of texels meets, below 65536.
+    /// Adds an eye buffer in a layer: the columns and rows of its tiles that each column and row of texels meets, below 65536.
     /// Missing columns and rows of texels meet none.
     pub fn add(
         &mut self,

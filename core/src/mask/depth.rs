@@ -100,7 +100,7 @@ pub struct TemplateDepths {
     pub skipped: f32,
 }
 
-/// Why there is no value that is surely nearest.
+/// Reason why there is no value that is surely nearest.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum NoNearValue {
     /// Beyond the range of every depth format, or not a number.

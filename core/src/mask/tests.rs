@@ -45,7 +45,7 @@ fn nothing_is_skipped_at_full_rate_and_outside_of_views() {
     let full = rates([4; 2], ShadingRate::R1X1);
     assert!(whole(64, 16, &full).list().is_empty());
     assert_eq!(whole(64, 16, &full).list().words(), [0, 1, 1, 0]);
-    // Bytes that are no rate and pixels without a tile are shaded too.
+    // Bytes that are not a rate and pixels without a tile are shaded too.
     let (nonsense, short) = (Plane::filled(4, 4, 0xff), rates([2; 2], ShadingRate::R4X4));
     assert!(whole(64, 16, &nonsense).list().is_empty());
     let mask = whole(64, 16, &short);

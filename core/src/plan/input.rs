@@ -10,7 +10,7 @@ use glam::Quat;
 /// Input of a plan: time, views, gaze and sound.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanInput<'a> {
-    /// When the frame is shown, nanoseconds on any one clock (XrTime).
+    /// Display time of the frame, nanoseconds on any one clock (XrTime).
     pub time_ns: i64,
     /// Number of the frame: one more than that of the frame before.
     pub frame: u64,

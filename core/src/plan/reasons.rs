@@ -1,4 +1,4 @@
-//! Why a plan is more careful than its settings.
+//! Reasons why a plan is more careful than its settings.
 
 use std::fmt;
 

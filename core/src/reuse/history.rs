@@ -17,7 +17,7 @@ const UNMOVED_PIXELS: f32 = 0.25;
 /// here. A surface seen at a slant has less from pixel to pixel.
 const SAME_PIXELS: f32 = 0.25;
 
-/// One image of an eye, with its view and stale tiles.
+/// One eye buffer, with its view and stale tiles.
 ///
 /// Points are in pixels from the upper left corner of the rectangle of the image that shows the eye's view; the centre of a
 /// pixel is at + 0.5.

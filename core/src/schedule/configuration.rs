@@ -134,7 +134,7 @@ impl FromStr for UpdateConfiguration {
     }
 }
 
-/// Reason why a text is no update configuration. Each message ends with the allowed values.
+/// Reason why a text is not an update configuration. Each message ends with the allowed values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ConfigurationError {
     /// Not five characters.

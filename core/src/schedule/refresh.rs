@@ -81,7 +81,7 @@ impl RefreshSettings {
     }
 
     /// A change up to which [`Self::need`] is at most 1 at every eccentricity: sensitivity is greatest at the gaze. Negative where there
-    /// is no such change.
+    /// is not such a change.
     pub fn least_change(&self, visible: &VisibleChange) -> f32 {
         let threshold = self.change * visible.at(0.0);
         if threshold > 0.0 { threshold } else { f32::NEG_INFINITY }

@@ -80,7 +80,7 @@ impl TileCells {
     /// counts as 1) from its upper left corner; those at the other edges may be smaller.
     ///
     /// The view's orientation leads into the space of [`super::Schedule::is_due`], as that of the view's pose in LOCAL
-    /// space does; one that is no rotation (zero or not finite) turns nothing. Allocates only when there are more
+    /// space does; an invalid one (zero or not finite) turns nothing. Allocates only when there are more
     /// tiles than ever before.
     pub fn update(&mut self, view: &View, extent: [u32; 2], tile_size: u32) {
         let turn = rotation(view.orientation).map_or(Mat3::IDENTITY, Mat3::from_quat);

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn invalid_settings_are_refused() {
         // SAFETY: the functions take null, and records that are valid.
         unsafe {
             let table = &*parafovea_audio_get_table();

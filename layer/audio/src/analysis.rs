@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_lost_or_no_number_lowers_the_confidence() {
+    fn lost_or_invalid_samples_lower_the_confidence() {
         let (shared, mut stream, mut writer) = stream(Settings::default());
         let mut serial = 0;
         analyse(30, &shared, &mut stream, &mut writer, &mut serial);
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_repeats_does_not_allocate() {
+    fn steady_state_does_not_allocate() {
         let (shared, mut stream, mut writer) = stream(Settings::default());
         let mut serial = 0;
         analyse(31, &shared, &mut stream, &mut writer, &mut serial);

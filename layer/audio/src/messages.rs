@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_said_is_not_said_again() {
+    fn a_message_is_logged_once() {
         let messages = PendingMessages::default();
         for line in ["deaf", "deaf", "listens", "deaf"] {
             messages.say(line.to_owned());

@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_is_counted_and_what_fits_is_kept_in_order() {
+    fn overflow_is_counted_and_order_is_kept() {
         let (mut writer, mut reader) = ring(Format { sample_rate_hz: 100, channels: 1 });
         let samples: Vec<f32> = (0..60).map(|n| n as f32).collect();
         writer.write(samples.iter().copied());

@@ -16,7 +16,7 @@ pub struct Wav<R> {
     position: u32,
 }
 
-/// Why a file cannot be read as sound.
+/// Reason why a file cannot be read as sound.
 #[derive(Debug, thiserror::Error)]
 pub enum WavError {
     /// It cannot be read, or is no WAV file.

@@ -169,7 +169,7 @@ fn decision(side: u32, frame: u64) -> DecideParams {
             silent: false,
         }),
     };
-    let params = Planner::new(settings).plan(&input).eyes[0].decision.looking(30, frame);
+    let params = Planner::new(settings).plan(&input).eyes[0].decision.with_full_rate_period(30, frame);
     assert!(params.sensitivity != 0, "contrast does not count");
     params
 }

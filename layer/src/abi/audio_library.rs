@@ -10,7 +10,7 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why there is no sound.
+/// Reason why there is no sound.
 #[derive(Debug, Error)]
 pub enum NotLoaded {
     /// It is not known where this library is.

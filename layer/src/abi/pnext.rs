@@ -24,7 +24,7 @@ pub unsafe trait Structure {
 }
 
 /// Longest chain that is followed. The longest real ones, of Vulkan's device creation, have some dozens of
-/// structures; a chain that goes on for longer is taken to run in a circle.
+/// structures; a chain that goes on for longer is taken to have a cycle.
 pub const MAX_LENGTH: usize = 256;
 
 /// Iterates over a chain; ends after [`MAX_LENGTH`] structures.

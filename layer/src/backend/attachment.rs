@@ -18,7 +18,7 @@ pub mod render_pass;
 pub mod rendering;
 pub mod shader_objects;
 
-pub use attach::Rates;
+pub use attach::RateAttachments;
 pub use capabilities::NoRates;
 
 use ash::vk;

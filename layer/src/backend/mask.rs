@@ -5,35 +5,36 @@
 //! [`eligible`] pass, the depth buffer is filled from a [`DepthTemplate`] ahead of the pass, which then loads depth where the application
 //! clears it; where the application loads depth, skipped blocks are covered in that, and where it needs depth later, they are filled (see
 //! [`crate::kernels::depth`]). In a pass without depth, or with depth that must stay as it is, fragment shaders return early in skipped blocks
-//! instead (see [`Way`]). Directly after the pass, [`crate::kernels::fill`] fills the skipped blocks of every stored colour attachment. All of it
-//! is recorded once; the content of the template and of the skip list decides the skipped blocks, and changes between submits.
+//! instead (see [`MaskMethod`]). Directly after the pass, [`crate::kernels::fill`] fills the skipped blocks of every stored colour
+//! attachment. All of it is recorded once; the content of the template and of the skip list decides the skipped blocks, and changes between submits.
 
 mod attachments;
 mod decision;
 mod early_return;
+mod early_return_pipeline;
 mod eligibility;
 mod images;
 mod kernels;
 mod layouts;
 mod loading;
 mod map;
+mod method;
 mod open_mask;
 mod parts;
 mod pass;
 mod pending;
 mod pipelines;
 mod recipe;
-mod returning;
 mod shader_objects;
 mod target;
 mod template;
 mod usage;
 mod views;
-mod way;
 
 pub(crate) use attachments::{Attachments, rendering_attachments};
 pub(crate) use decision::PassContext;
 pub use early_return::{EarlyReturn, NoEarlyReturn, returning_early};
+pub(crate) use early_return_pipeline::{EarlyReturnPipeline, follow_graphics, follows_graphics};
 pub use eligibility::{
     ColorFacts, DepthFacts, DepthWork, Directions, DynamicStencil, Eligible, MaskFacts, PipelineFacts,
     depth_format, eligible,
@@ -41,13 +42,12 @@ pub use eligibility::{
 pub use images::added_usage;
 pub use kernels::MaskKernels;
 pub use map::MaskMap;
+pub use method::{EarlyReturnSupport, MaskMethod, method};
 pub(crate) use open_mask::OpenMask;
 pub(crate) use pending::{Pending, Prepasses};
-pub(crate) use returning::{Returning, follow_graphics, follows_graphics};
 pub(crate) use target::{Ended, TargetMask};
 pub use template::DepthTemplate;
 pub use views::{mask_views, resolve_mask};
-pub use way::{Returns, Way, way};
 
 use crate::backend::{Backend, RateMap};
 use crate::gpu::{AppendedLayout, Compilation, Compiler, Gpu, GpuError, Later, ReturnLayout};
@@ -89,7 +89,7 @@ pub struct Masks {
     layouts: Table<vk::PipelineLayout, Arc<AppendedLayout>>,
     return_layout: Mutex<Option<Arc<ReturnLayout>>>,
     compatible: Table<vk::RenderPass, loading::Compatible>,
-    returning: Table<vk::Pipeline, Arc<Returning>>,
+    returning: Table<vk::Pipeline, Arc<EarlyReturnPipeline>>,
     /// Depth images that a pass was seen to load.
     loaded: Table<ImageKey, ()>,
     /// The depth that a pass cleared each depth image to last.

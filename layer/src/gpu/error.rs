@@ -1,10 +1,10 @@
-//! Why GPU work of ours is not possible.
+//! Reasons why GPU work of ours is not possible.
 
 use ash::vk;
 use std::ffi::CStr;
 use std::sync::{Mutex, PoisonError};
 
-/// Why our GPU work is not possible. The application is unaffected: the caller passes its frames through.
+/// Reason why GPU work of ours is not possible. The application is unaffected: the caller passes its frames through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
     /// A Vulkan function that we need is not there.

@@ -13,15 +13,15 @@ pub(crate) struct SubmitTime {
     pub(crate) ns: u64,
 }
 
-/// When timestamps are written: when all before them is done.
+/// Stage at which timestamps are written: after all earlier commands.
 const DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
 
 /// The times of a ring of command buffers. Allocates nothing as long as they are taken.
 pub(super) struct SubmitTimes {
     /// Two queries for each command buffer; null until times are requested.
     pool: vk::QueryPool,
-    /// Bits of a timestamp that hold; 0: there are none.
-    mask: u64,
+    /// Valid bits of timestamps (`timestampValidBits`); 0: there are none.
+    valid_bits: u64,
     /// Nanoseconds of a step.
     step_ns: f64,
     /// The frame that submits belong to; `None` while times are not requested.
@@ -36,7 +36,7 @@ impl SubmitTimes {
     pub(super) fn new(valid_bits: u32, step_ns: f32) -> Self {
         Self {
             pool: vk::QueryPool::null(),
-            mask: u64::MAX.checked_shr(u64::BITS.saturating_sub(valid_bits)).unwrap_or(0),
+            valid_bits: u64::MAX.checked_shr(u64::BITS.saturating_sub(valid_bits)).unwrap_or(0),
             step_ns: f64::from(step_ns),
             frame: None,
             unread: [None; SUBMITS_IN_FLIGHT],
@@ -51,7 +51,7 @@ impl SubmitTimes {
 
     /// Whether submits are timed.
     pub(super) fn is_timed(&self) -> bool {
-        self.frame.is_some() && self.mask != 0
+        self.frame.is_some() && self.valid_bits != 0
     }
 
     /// A command buffer begins.
@@ -59,7 +59,7 @@ impl SubmitTimes {
     /// # Safety
     /// It is that of this number, and is recording, outside of a render pass, on a queue that may reset queries; the device is live.
     pub(super) unsafe fn begin(&mut self, device: &ash::Device, commands: vk::CommandBuffer, index: usize) {
-        self.unread[index] = self.frame.filter(|_| self.mask != 0);
+        self.unread[index] = self.frame.filter(|_| self.valid_bits != 0);
         if self.unread[index].is_none() {
             return;
         }
@@ -73,7 +73,7 @@ impl SubmitTimes {
                 Err(result) => {
                     GpuError::Call { call: "vkCreateQueryPool", result }
                         .log("the layer's own work is not timed");
-                    self.mask = 0;
+                    self.valid_bits = 0;
                     self.unread[index] = None;
                     return;
                 }
@@ -117,7 +117,7 @@ impl SubmitTimes {
             )
         };
         if read.is_ok() {
-            let steps = results[1].wrapping_sub(results[0]) & self.mask;
+            let steps = results[1].wrapping_sub(results[0]) & self.valid_bits;
             self.add(SubmitTime { frame, ns: (steps as f64 * self.step_ns) as u64 });
         }
     }

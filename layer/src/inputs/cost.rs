@@ -42,7 +42,7 @@ pub struct OwnWork {
     pub maps_ns: u64,
     /// Contrast of pictures.
     pub analysis_ns: u64,
-    /// Pictures of the eyes: copies, fills, re-use, chroma attenuation, debug views.
+    /// Eye buffers: copies, fills, re-use, chroma attenuation, debug views.
     pub pictures_ns: u64,
 }
 
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_asks_for_is_dropped() {
+    fn unrequested_costs_are_dropped() {
         let mut costs = GpuCosts::default();
         for frame in 0..100 {
             costs.add(time(frame, 1));

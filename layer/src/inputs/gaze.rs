@@ -15,7 +15,7 @@ use glam::{EulerRot, Quat, Vec3};
 /// Direction in which a view looks, in its own space.
 pub const FORWARD: Vec3 = Vec3::NEG_Z;
 
-/// An orientation as OpenXR gives it, made a unit quaternion; `None` for one that is no rotation.
+/// An orientation as OpenXR gives it, made a unit quaternion; `None` for one that is not a rotation.
 pub fn rotation(x: f32, y: f32, z: f32, w: f32) -> Option<Quat> {
     let quaternion = Quat::from_xyzw(x, y, z, w);
     let length = quaternion.length();
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_rotation_is_refused() {
+    fn invalid_quaternions_are_refused() {
         assert_eq!(rotation(0.0, 0.0, 0.0, 0.0), None);
         assert_eq!(rotation(f32::NAN, 0.0, 0.0, 1.0), None);
         assert_eq!(rotation(0.0, 0.0, 0.0, 1.1), Some(Quat::IDENTITY));

@@ -23,7 +23,7 @@ pub const MOST_PICTURES: usize = 2;
 /// One picture that is drawn over.
 #[derive(Clone, Copy)]
 pub struct DebugViewJob<'a> {
-    /// Index of the picture's eye, 0 or 1: each eye has a map of its own, and there is one picture of an eye at most.
+    /// Index of the picture's eye, 0 or 1: each eye has a map of its own, and there is one eye buffer of an eye at most.
     pub eye: usize,
     /// The runtime's images; the picture is one of them.
     pub runtime: &'a RuntimeImages,

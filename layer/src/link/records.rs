@@ -81,7 +81,7 @@ pub struct EyeMapRecord {
     pub rates: *const u8,
     /// 1 where the rates of the tiles are to be decided on the GPU, by the fields below; else 0.
     pub is_decided: u32,
-    /// 1 where contrast counts, and the pictures of this eye are to be analysed; else 0.
+    /// 1 where contrast counts, and the eye buffers of this eye are to be analysed; else 0.
     pub is_judged: u32,
     /// Parameters of the decision as long as no contrast is known, or none counts.
     pub fixed: DecideParams,
@@ -91,10 +91,10 @@ pub struct EyeMapRecord {
     pub orientation: [f32; 4],
 }
 
-/// A finished picture of an eye, whose contrast decides the rates of later frames.
+/// A finished eye buffer, whose contrast decides the rates of later frames.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub struct PictureRecord {
+pub struct EyeBufferRecord {
     /// 0: left, 1: right.
     pub eye: u32,
     /// Family and index of the queue on which it was written, and which this thread may use now.
@@ -153,24 +153,24 @@ pub struct FrameReportRecord {
     pub frame: u64,
     /// Number of passes that were recognised and had the plan's rates.
     pub passes_with_rates: u32,
-    /// Number that distinguishes the set of passes recognised as an eye's image, whether rates are on or not, from other sets; 0: there was
+    /// Number that distinguishes the set of passes recognised as an eye buffer, whether rates are on or not, from other sets; 0: there was
     /// none.
     pub eye_passes: u32,
-    /// Whether passes read images of eyes of earlier frames: [`Feedback::number`](crate::pass_detection::Feedback::number).
+    /// Whether passes read eye buffers of earlier frames: [`Feedback::number`](crate::pass_detection::Feedback::number).
     pub feedback: u32,
     /// Number of decisions so far ([`LinkTable::decision`](super::LinkTable::decision)).
     pub decisions: u32,
     /// Frames from the next one on whose passes are not followed, whether or not they end with a record.
-    pub unfollowed: u32,
+    pub untracked_frames: u32,
     /// Number of `times`.
     pub time_count: u32,
     /// GPU times of frames that became known, in the order of the frames: a frame or more after each has ended, and of some never.
     pub times: [FrameTimeRecord; MOST_FRAME_TIMES],
-    /// Stale tiles of the left and of the right eye's image. The caller sets `words` and `capacity`.
+    /// Stale tiles of the left and of the right eye buffer. The caller sets `words` and `capacity`.
     pub stale: [StaleRecord; 2],
 }
 
-/// The stale tiles of an eye's image, left out by the maps of all of its passes together, as `StaleTiles` has them.
+/// The stale tiles of an eye buffer, left out by the maps of all of its passes together, as `StaleTiles` has them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct StaleRecord {
@@ -203,7 +203,7 @@ pub struct ShownRecord {
     /// Number of swapchains in `depth`.
     pub depth_count: u32,
     /// Frames since the last record, without this one, that ended without one.
-    pub unnoticed: u32,
+    pub skipped_frames: u32,
 }
 
 /// [`ShownViewRecord::eye`] of a view that is neither eye's whole picture, such as an inset of quad views.

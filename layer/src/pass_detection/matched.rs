@@ -8,13 +8,13 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
     /// Parts of its target, and the eye that each shows. They may lie over each other: then each pixel is both, and the finer rate holds.
-    /// A pixel in none of them is no eye's.
+    /// A pixel in none of them belongs to no eye.
     pub parts: SmallVec<[Part; 4]>,
     /// Evidence of the match.
     pub how: How,
 }
 
-/// A rectangle of a target that shows the whole picture of an eye.
+/// A rectangle of a target that shows a whole eye buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
     /// Eye that it shows.
@@ -57,7 +57,7 @@ pub enum How {
     Swapchain,
     /// It is copied, blitted or resolved into one afterwards.
     Transferred,
-    /// Its content becomes the picture of an eye by full-screen passes, as far as these can be followed, and it looks like one.
+    /// Its content becomes an eye buffer by full-screen passes, as far as these can be followed, and it looks like one.
     Shape,
     /// A rule of the profile.
     Profile,
@@ -74,7 +74,7 @@ impl fmt::Display for How {
     }
 }
 
-/// Why a pass is not the scene. `Display` completes "not the scene: ...".
+/// Reason why a pass is not the scene. `Display` completes "not the scene: ...".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Unmatched {
     /// No colour attachment: shadow maps, depth pre-passes.
@@ -91,11 +91,11 @@ pub enum Unmatched {
     Inset,
     /// Nothing is known of the image.
     UnknownImage,
-    /// Smaller than half of the eye's picture.
+    /// Smaller than half of the eye buffer.
     Small,
-    /// Larger than twice the eye's picture.
+    /// Larger than twice the eye buffer.
     Large,
-    /// Another aspect than the eye's picture.
+    /// Another aspect than the eye buffer.
     Aspect,
     /// So many array layers: more than eyes, or two beside each other in each.
     Layers(u32),

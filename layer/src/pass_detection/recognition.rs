@@ -39,12 +39,12 @@ pub struct Recognition {
     pass_history: PassHistory,
     listing: Listing,
     provenance: Provenance,
-    /// When cameras were last found that the picture comes from.
+    /// Number of the last frame in which cameras were found that the picture comes from.
     found_at: Option<u64>,
     /// Number of cameras that the last unknown reader may have read, and the first frame with this number.
     candidates: (usize, u64),
     feedback: FeedbackEvidence,
-    /// When the picture was last seen to be drawn without passes before it.
+    /// Number of the last frame in which the picture was drawn without passes before it.
     drawn_directly_at: Option<u64>,
     rules: PassRules,
 }
@@ -91,7 +91,7 @@ impl Recognition {
     ///
     /// # Errors
     ///
-    /// Why it is not the scene.
+    /// Reason why it is not the scene.
     pub fn of(
         &self,
         pass: &Pass,
@@ -120,7 +120,7 @@ impl Recognition {
         self.pass_history.scene_with_depth(depth)
     }
 
-    /// Use of earlier frames' images in an eye's image, by the evidence of the last frames.
+    /// Use of earlier frames' images in an eye buffer, by the evidence of the last frames.
     pub fn feedback(&self) -> Feedback {
         self.feedback.newest(self.frame)
     }

@@ -1,10 +1,10 @@
-//! Why a pass has no mask.
+//! Reasons why a pass has no mask.
 
 use ash::vk;
 use parafovea_core::mask::NoNearValue;
 use std::fmt;
 
-/// Why a pass is left alone. `Display` completes "no mask: ...".
+/// Reason why a pass is left alone. `Display` completes "no mask: ...".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unmasked {
     /// Rates are off, or this frame is one without.

@@ -9,7 +9,7 @@ use std::fmt;
 /// A frame that ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndedFrame {
-    /// When it is shown, nanoseconds.
+    /// Its display time, nanoseconds.
     pub time_ns: i64,
     /// The measure of its cost.
     pub clock: Clock,
@@ -17,7 +17,7 @@ pub struct EndedFrame {
     pub wanted: Techniques<bool>,
     /// Number of passes that it gave maps to.
     pub passes: u32,
-    /// Hash of the set of passes that it recognised as an eye's picture, with or without maps; 0: none.
+    /// Hash of the set of passes that it recognised as an eye buffer, with or without maps; 0: none.
     pub eye_passes: u32,
     /// The phase of the gaze.
     pub phase: GazePhase,
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn what_costs_more_is_dropped_and_another_scene_judged_anew() {
+    fn a_slower_technique_is_dropped_and_a_new_scene_has_a_trial() {
         let (mut benefit, mut clock) = (judging_rates(), (0, 0));
         let said = run(&mut benefit, &mut clock, 200, 2, 1.3);
         assert_eq!((said.len(), benefit.is_on().rates), (1, false));

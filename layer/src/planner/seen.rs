@@ -1,13 +1,13 @@
 //! Views of the newest plan for people.
 
-use super::Planning;
+use super::SessionPlanner;
 use crate::config::Config;
 use crate::inputs::gaze::{direction, in_view};
 use glam::Vec3;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
 
-/// An overlay over an eye's picture.
+/// An overlay over an eye buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DebugOverlay {
     /// Assumed direction of the gaze, or the direction of the dot, in the view's space, of any length; all 0 if it is not known.
@@ -18,7 +18,7 @@ pub struct DebugOverlay {
     pub is_decided_on_gpu: bool,
 }
 
-impl Planning {
+impl SessionPlanner {
     /// The overlay of an eye's newest plan for `view`; its map, if it has one, goes to `map`. Nothing without a plan. The dot of
     /// [`DebugView::Ahead`] is `dot_deg` to the left and upwards of the centre of the view.
     pub fn seen(

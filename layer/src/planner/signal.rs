@@ -91,7 +91,7 @@ impl Signal {
     /// The window lasted so long.
     fn close_window(&mut self, passed_ns: i64) {
         let window = std::mem::take(&mut self.window);
-        // After a pause it is no measurement.
+        // After a pause it is not a measurement.
         if !(WINDOW_NS..2 * WINDOW_NS).contains(&passed_ns) {
             return;
         }

@@ -1,11 +1,11 @@
 //! The status of planning, for `parafovea status`.
 
-use super::Planning;
+use super::SessionPlanner;
 use crate::config::{Config, GazeSource};
 use crate::inputs::gaze::Look;
 use crate::status::StatusSnapshot;
 
-/// When the tracker saw the eyes last.
+/// Time at which the tracker saw the eyes last.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LastLook {
     is_valid: bool,
@@ -22,7 +22,7 @@ impl LastLook {
     }
 }
 
-impl Planning {
+impl SessionPlanner {
     /// Writes the status of now. Of the gaze only whether there is one and how old it is, of the sound only whether there is any.
     pub fn write_status(&self, config: &Config, snapshot: &mut StatusSnapshot) {
         snapshot.frame_rate_hz = self.frame_rate.hz();

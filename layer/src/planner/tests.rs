@@ -26,7 +26,7 @@ fn capabilities(rates: &[ShadingRate], texel: [u32; 2]) -> Capabilities {
 
 /// A session with two views of 90 by 90 degrees that are canted outwards, as an application shows them.
 struct Session {
-    planning: Planning,
+    planner: SessionPlanner,
     config: Config,
     serial: u64,
     time_ns: i64,
@@ -44,7 +44,7 @@ impl Session {
         if config.rates.mode == RatesMode::Auto {
             config.rates.mode = RatesMode::Fixed;
         }
-        let mut planning = Planning::new(capabilities);
+        let mut planner = SessionPlanner::new(capabilities);
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
         let views = [0.1, -0.1].map(|cant| View {
@@ -52,22 +52,22 @@ impl Session {
             position: Vec3::X * (-0.32 * cant),
             fov,
         });
-        planning.views.located(&views);
-        planning.views.shown(&views.map(|view| ShownView { view, extent: [512, 512] }));
-        Self { planning, config, serial: 0, time_ns: 0, head: Quat::IDENTITY }
+        planner.views.located(&views);
+        planner.views.shown(&views.map(|view| ShownView { view, extent: [512, 512] }));
+        Self { planner, config, serial: 0, time_ns: 0, head: Quat::IDENTITY }
     }
 
     fn begin(&mut self) {
         self.time_ns += FRAME_NS;
-        self.planning.frame_begins(self.time_ns, 1);
+        self.planner.frame_begins(self.time_ns, 1);
     }
 
     /// Plans the frame with that gaze. Whether there are new rates.
     fn plan(&mut self, look: Look) -> bool {
-        self.planning.look(&self.config, look, self.head, self.time_ns);
-        assert!(self.planning.plan(&self.config, true, self.head, self.time_ns));
-        let (planning, serial) = (&mut self.planning, &mut self.serial);
-        let record = planning.new_rates(&self.config, || {
+        self.planner.look(&self.config, look, self.head, self.time_ns);
+        assert!(self.planner.plan(&self.config, true, self.head, self.time_ns));
+        let (planner, serial) = (&mut self.planner, &mut self.serial);
+        let record = planner.new_rates(&self.config, || {
             *serial += 1;
             *serial
         });
@@ -92,7 +92,7 @@ impl Session {
     }
 
     fn rates(&self, eye: usize) -> &[u8] {
-        self.planning.planner.as_ref().unwrap().newest().eyes[eye].rates.texels()
+        self.planner.planner.as_ref().unwrap().newest().eyes[eye].rates.texels()
     }
 }
 
@@ -126,7 +126,7 @@ fn said([left, up]: [f32; 2]) -> Vec<Vec<Vec<u8>>> {
 
 /// The rate of an eye's tile in a direction.
 fn rate_at(session: &Session, eye: usize, direction: Vec3) -> u8 {
-    let seen = session.planning.views.orientation(eye).inverse() * direction;
+    let seen = session.planner.views.orientation(eye).inverse() * direction;
     let tile = |tangent: f32| ((1.0 + tangent) / 2.0 * 32.0) as usize;
     session.rates(eye)[32 * tile(seen.y / seen.z) + tile(-seen.x / seen.z)]
 }
@@ -221,7 +221,7 @@ fn without_a_tracker_rates_fall_off_widely_from_straight_ahead() {
     assert!(session.full(0) > 2.0 * centre.full(0), "{} {}", session.full(0), centre.full(0));
     assert!(session.full(0) < 0.95, "{}", session.full(0));
     assert!(session.rates(0).iter().all(|rate| *rate <= ShadingRate::R2X2.texel()));
-    assert!(session.planning.focus(0).is_none(), "colour needs a gaze");
+    assert!(session.planner.focus(0).is_none(), "colour needs a gaze");
 }
 
 #[test]
@@ -233,10 +233,10 @@ fn a_blink_holds_the_map_and_a_lost_gaze_ends_in_wide_rates() {
     let (full, serial) = (session.full(0), session.serial);
     session.frames(8, Look::Unseen);
     assert_eq!(session.serial, serial, "within 100 ms");
-    assert!(session.planning.focus(0).is_some());
+    assert!(session.planner.focus(0).is_some());
     session.frames(4, Look::Unseen);
     assert!(session.full(0) > full);
-    assert!(session.planning.focus(0).is_none());
+    assert!(session.planner.focus(0).is_none());
     session.frames(200, Look::Unseen);
     let lost = session.full(0);
     assert!(lost > full && lost < 0.95, "{full} {lost}");
@@ -247,8 +247,8 @@ fn plans_have_the_tiles_and_the_rates_of_the_device() {
     let capabilities = capabilities(&[ShadingRate::R2X2, ShadingRate::R1X1], [8, 8]);
     let mut session = Session::on(capabilities, centre(Preset::Balanced));
     session.begin();
-    session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
-    let record = session.planning.new_rates(&session.config, || 7).unwrap();
+    session.planner.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
+    let record = session.planner.new_rates(&session.config, || 7).unwrap();
     assert_eq!(record.serial, 7);
     for EyeMapRecord { extent, texel, tiles, rates, is_decided, .. } in record.eyes {
         assert_eq!(is_decided, 0, "rings need no GPU");
@@ -270,27 +270,27 @@ fn contrast_and_sound_are_left_to_the_gpu() {
     let mut session = Session::new(config);
     let loud = AudioFeatures { loudness_lufs: -10.0, gamma_ld: 25.0, gamma_fq_kilomel: 1.0, silent: false };
     let mut decided = |sound| {
-        session.planning.listen(sound);
+        session.planner.listen(sound);
         session.begin();
-        session.planning.plan(&session.config, true, Quat::from_rotation_y(0.3), session.time_ns);
-        session.planning.new_rates(&session.config, || 1).unwrap().eyes[0]
+        session.planner.plan(&session.config, true, Quat::from_rotation_y(0.3), session.time_ns);
+        session.planner.new_rates(&session.config, || 1).unwrap().eyes[0]
     };
     let eye = decided(Some(loud));
     assert_eq!((eye.is_decided, eye.is_judged), (1, 1));
     assert_eq!(eye.judged.budget, greatest_loss, "as configured");
     assert_eq!((eye.fixed.sensitivity, eye.judged.sensitivity), (0, 1));
     assert_eq!(eye.judged.tiles, eye.tiles);
-    assert!(eye.judged.look_every > 0, "what is coarse is looked at now and then");
+    assert!(eye.judged.full_rate_period > 0, "what is coarse is looked at now and then");
     let turned = Quat::from_array(eye.orientation).angle_between(Quat::from_rotation_y(0.4));
     assert!(turned < 1e-3, "the left display is turned against the head, which is turned");
     let eye = decided(Some(AudioFeatures::SILENT));
     assert_eq!((eye.is_decided, eye.is_judged), (1, 0), "rings");
     session.config.rates.mode = RatesMode::Paper;
     let eye = {
-        session.planning.listen(Some(loud));
+        session.planner.listen(Some(loud));
         session.begin();
-        session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
-        session.planning.new_rates(&session.config, || 1).unwrap().eyes[0]
+        session.planner.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
+        session.planner.new_rates(&session.config, || 1).unwrap().eyes[0]
     };
     assert_eq!(eye.judged.sensitivity, 2);
     assert!(eye.judged.budget > 50_000.0, "{}", eye.judged.budget);
@@ -299,14 +299,14 @@ fn contrast_and_sound_are_left_to_the_gpu() {
 #[test]
 fn nothing_is_planned_for_what_is_off_or_not_there() {
     let session = Session::new(Config::default());
-    assert!(session.planning.has_work(&session.config, true));
+    assert!(session.planner.has_work(&session.config, true));
     let mut session = Session::on(Capabilities::default(), Config::default());
-    assert!(!session.planning.has_work(&session.config, true), "no backend, no chroma");
+    assert!(!session.planner.has_work(&session.config, true), "no backend, no chroma");
     session.config.chroma.mode = ChromaMode::Default;
-    assert!(session.planning.has_work(&session.config, true));
-    assert!(!session.planning.has_work(&session.config, false), "chroma cannot be done");
+    assert!(session.planner.has_work(&session.config, true));
+    assert!(!session.planner.has_work(&session.config, false), "chroma cannot be done");
     assert!(!session.frame(yaw(0.0)), "chroma needs a plan, but no rates are handed over");
-    assert!(session.planning.focus(1).is_some());
+    assert!(session.planner.focus(1).is_some());
     for off in [RatesBackend::Off, RatesBackend::Auto] {
         let mut config = Config::default();
         config.rates.backend = off;
@@ -321,17 +321,17 @@ fn maps_are_planned_while_a_technique_is_on_or_on_trial() {
     let off = Techniques { rates: false, reuse: false };
     let mut session = Session::new(Config::default());
     for (techniques, wants_costs) in [(Techniques { rates: true, reuse: false }, false), (off, true)] {
-        session.planning.set_techniques(techniques, wants_costs);
-        assert!(session.planning.has_work(&session.config, true));
-        assert!(!session.planning.only_watches(&session.config, true));
+        session.planner.set_techniques(techniques, wants_costs);
+        assert!(session.planner.has_work(&session.config, true));
+        assert!(!session.planner.only_watches(&session.config, true));
     }
-    session.planning.set_techniques(off, false);
-    assert!(!session.planning.has_work(&session.config, true));
-    assert!(session.planning.only_watches(&session.config, true));
+    session.planner.set_techniques(off, false);
+    assert!(!session.planner.has_work(&session.config, true));
+    assert!(session.planner.only_watches(&session.config, true));
     session.config.rates.gate = RatesGate::Off;
-    assert!(!session.planning.only_watches(&session.config, true), "there will be no trial");
+    assert!(!session.planner.only_watches(&session.config, true), "there will be no trial");
     session.config.chroma.mode = ChromaMode::Default;
-    assert!(session.planning.has_work(&session.config, true), "chroma has no gate");
+    assert!(session.planner.has_work(&session.config, true), "chroma has no gate");
 }
 
 #[test]
@@ -339,8 +339,8 @@ fn rates_that_were_off_for_a_while_are_handed_over_again() {
     let mut session = Session::new(centre(Preset::Balanced));
     assert!(session.frame(Look::NoTracker));
     session.begin();
-    session.planning.idle();
-    assert!(!session.planning.is_planned());
+    session.planner.idle();
+    assert!(!session.planner.is_planned());
     assert!(session.frame(Look::NoTracker));
 }
 
@@ -348,11 +348,11 @@ fn rates_that_were_off_for_a_while_are_handed_over_again() {
 fn colour_that_was_there_goes_by_degrees() {
     let mut session = Session::new(centre(Preset::Streaming));
     session.frame(Look::NoTracker);
-    assert_eq!(session.planning.focus(0).unwrap().0.strength, 1.0, "nothing was shown before");
+    assert_eq!(session.planner.focus(0).unwrap().0.strength, 1.0, "nothing was shown before");
     session.begin();
-    session.planning.idle();
+    session.planner.idle();
     session.frame(Look::NoTracker);
-    assert!(session.planning.focus(0).unwrap().0.strength < 0.1);
+    assert!(session.planner.focus(0).unwrap().0.strength < 0.1);
 }
 
 #[test]
@@ -361,7 +361,7 @@ fn the_focus_is_where_the_eyes_look_from_the_head() {
     session.frames(30, yaw(20.0));
     let Look::At { direction, .. } = yaw(20.0) else { panic!() };
     for eye in 0..2 {
-        let (focus, _) = session.planning.focus(eye).unwrap();
+        let (focus, _) = session.planner.focus(eye).unwrap();
         assert!(focus.direction.abs_diff_eq(direction, 1e-5), "{eye}: {focus:?}");
     }
 }
@@ -377,7 +377,7 @@ fn eyes_that_rest_while_the_head_turns_are_in_no_pursuit() {
         session.begin();
         let direction = ahead(0.5 * step as f32 - 30.0);
         session.plan(Look::At { direction, sampled_ns: session.time_ns });
-        let gaze = session.planning.phase(&session.config, session.time_ns);
+        let gaze = session.planner.phase(&session.config, session.time_ns);
         assert!(step < 20 || gaze == GazePhase::Fixation, "step {step}: {gaze:?}");
     }
 }
@@ -387,7 +387,7 @@ fn a_thread_that_is_behind_does_not_undo_a_later_plan() {
     let mut session = Session::new(centre(Preset::Balanced));
     session.time_ns = 5 * LONGEST_STEP_BACK_NS;
     session.frame(Look::NoTracker);
-    let mut plan = |time_ns| session.planning.plan(&session.config, true, Quat::IDENTITY, time_ns);
+    let mut plan = |time_ns| session.planner.plan(&session.config, true, Quat::IDENTITY, time_ns);
     let now = session.time_ns;
     assert!(!plan(now - FRAME_NS));
     assert!(plan(now));
@@ -397,20 +397,20 @@ fn a_thread_that_is_behind_does_not_undo_a_later_plan() {
 #[test]
 fn a_frame_has_a_plan_once_there_are_views() {
     let mut session = Session::new(centre(Preset::Balanced));
-    let views = std::mem::take(&mut session.planning.views);
+    let views = std::mem::take(&mut session.planner.views);
     session.begin();
-    assert!(!session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns));
-    assert!(!session.planning.is_planned());
-    session.planning.views = views;
+    assert!(!session.planner.plan(&session.config, true, Quat::IDENTITY, session.time_ns));
+    assert!(!session.planner.is_planned());
+    session.planner.views = views;
     session.plan(Look::NoTracker);
-    assert!(session.planning.is_planned());
+    assert!(session.planner.is_planned());
     session.begin();
-    assert!(!session.planning.is_planned());
+    assert!(!session.planner.is_planned());
 }
 
 /// The share of both eyes' tiles that the newest plan renders.
 fn rendered(session: &Session) -> f32 {
-    let plan = session.planning.planner.as_ref().unwrap().newest();
+    let plan = session.planner.planner.as_ref().unwrap().newest();
     let tiles = || plan.eyes.iter().flat_map(|eye| eye.ages.texels());
     tiles().filter(|age| **age == 0).count() as f32 / tiles().count() as f32
 }
@@ -428,29 +428,29 @@ fn only_what_is_kept_is_not_rendered_again() {
         }
         let mut least = 1.0f32;
         for _ in 0..12 {
-            session.planning.history_kept(0);
-            session.planning.history_kept(1);
+            session.planner.history_kept(0);
+            session.planner.history_kept(1);
             assert!(session.frame(Look::NoTracker), "each frame has its own map");
             assert!(!session.plan(Look::NoTracker), "the same frame has the same");
             least = least.min(rendered(&session));
         }
         assert!(least < 0.6, "{mode:?}: {least}");
-        session.planning.history_kept(0);
+        session.planner.history_kept(0);
         session.frame(Look::NoTracker);
-        let plan = session.planning.planner.as_ref().unwrap().newest();
+        let plan = session.planner.planner.as_ref().unwrap().newest();
         assert!(plan.eyes[1].ages.texels().iter().all(|age| *age == 0), "{mode:?}: the right eye has none");
         for pause_ns in [200_000_000, -FRAME_NS * 3] {
             for _ in 0..3 {
-                session.planning.history_kept(0);
-                session.planning.history_kept(1);
+                session.planner.history_kept(0);
+                session.planner.history_kept(1);
                 session.frame(Look::NoTracker);
             }
-            session.planning.history_kept(0);
-            session.planning.history_kept(1);
+            session.planner.history_kept(0);
+            session.planner.history_kept(1);
             session.time_ns += pause_ns;
             session.begin();
             assert_eq!(
-                session.planning.has_history, [false; 2],
+                session.planner.has_history, [false; 2],
                 "{mode:?}: after a pause, or as the clock begins anew"
             );
         }
@@ -459,13 +459,13 @@ fn only_what_is_kept_is_not_rendered_again() {
 
 #[test]
 fn the_turn_of_the_head_is_known_for_the_newest_time_alone() {
-    let mut planning = Planning::new(Capabilities::default());
+    let mut planner = SessionPlanner::new(Capabilities::default());
     let config = Config::default();
-    assert_eq!(planning.head_at(0), None);
+    assert_eq!(planner.head_at(0), None);
     let [first, second] = [0.1, 0.2].map(Quat::from_rotation_y);
-    planning.look(&config, Look::NoTracker, first, FRAME_NS);
-    planning.look(&config, Look::NoTracker, second, 2 * FRAME_NS);
-    assert_eq!([FRAME_NS, 2 * FRAME_NS].map(|time_ns| planning.head_at(time_ns)), [None, Some(second)]);
+    planner.look(&config, Look::NoTracker, first, FRAME_NS);
+    planner.look(&config, Look::NoTracker, second, 2 * FRAME_NS);
+    assert_eq!([FRAME_NS, 2 * FRAME_NS].map(|time_ns| planner.head_at(time_ns)), [None, Some(second)]);
 }
 
 #[test]
@@ -475,7 +475,7 @@ fn the_dot_ahead_is_at_its_angles_from_the_head_in_both_views() {
     for dot_deg in [[0.0, 0.0], [12.0, -9.0]] {
         for (eye, cant) in [0.1, -0.1].into_iter().enumerate() {
             let overlay = session
-                .planning
+                .planner
                 .seen(&session.config, eye, DebugView::Ahead, dot_deg, &mut Vec::new())
                 .unwrap();
             let from_head = Quat::from_rotation_y(cant) * overlay.gaze;

@@ -130,7 +130,7 @@ impl Map {
 
 impl Decision {
     fn of(eye: &EyePlan, orientation: Quat, frame: u64) -> Self {
-        let judged = eye.by_contrast.map(|judged| judged.looking(LOOK_EVERY, frame));
+        let judged = eye.by_contrast.map(|judged| judged.with_full_rate_period(LOOK_EVERY, frame));
         Self { fixed: eye.decision, judged, orientation }
     }
 }

@@ -1,9 +1,9 @@
 //! Parts of pictures that are searched for changes of content.
 
-use super::Planning;
+use super::SessionPlanner;
 use glam::{Quat, Vec3};
 
-/// The part of an eye's picture that may be re-used in later frames, so that its changes count.
+/// The part of an eye buffer that may be re-used in later frames, so that its changes count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watched {
     orientation: Quat,
@@ -13,8 +13,8 @@ pub struct Watched {
     cosine: f32,
 }
 
-impl Planning {
-    /// The watched part of pictures of an eye, by the newest plan; `None` where that renders everything in each frame, or it is the other
+impl SessionPlanner {
+    /// The watched part of eye buffers of an eye, by the newest plan; `None` where that renders everything in each frame, or it is the other
     /// eye's turn: both see most of the changes.
     pub fn watched(&self, eye: usize) -> Option<Watched> {
         let plan = self.planner.as_ref()?.newest();
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_rendered_in_each_frame_anyhow_is_not_watched() {
+    fn directions_of_every_frame_are_not_watched() {
         let cosine = 9.1f32.to_radians().cos();
         let ahead = Watched { orientation: Quat::IDENTITY, centres: [Vec3::NEG_Z, Vec3::NEG_Z], cosine };
         for (angle_deg, is_watched) in [(0.0f32, false), (8.9, false), (9.3, true), (40.0, true)] {
@@ -73,11 +73,11 @@ mod tests {
         }
         let everywhere = Watched { cosine: 2.0, ..ahead };
         assert!(everywhere.is_watched(Vec3::NEG_Z));
-        assert_eq!(Planning::default().watched(0), None, "without a plan");
+        assert_eq!(SessionPlanner::default().watched(0), None, "without a plan");
     }
 
     #[test]
-    fn what_any_period_renders_is_watched_in_both_eyes() {
+    fn directions_of_any_period_are_watched_in_both_eyes() {
         for (period, first) in (1..=9).flat_map(|period| (0..period).map(move |first| (period, first))) {
             let turns: Vec<usize> = (0..26).map(|turn| eye_watched_in(first + period * turn)).collect();
             for eye in [0, 1] {

@@ -3,7 +3,7 @@
 use super::rates::{FULL, RateSet, TILE_BYTES, TileBytes, UsedRates};
 use parafovea_core::reuse::StaleTiles;
 
-/// Rates of one eye's picture, see [`crate::link::EyeMapRecord`].
+/// Rates of one eye buffer, see [`crate::link::EyeMapRecord`].
 #[derive(Clone, Debug, Default)]
 pub struct EyeMap {
     extent: [u32; 2],
@@ -18,7 +18,7 @@ pub struct EyeMap {
 impl EyeMap {
     /// Takes a plan: the size of its picture and of a tile in pixels, columns and rows of tiles, and their texels, with the
     /// bit [`parafovea_core::reuse::STALE`] for stale tiles. Texels that
-    /// are no rate count as 1x1. Memory is only asked for beyond the largest plan so far.
+    /// are not a rate count as 1x1. Memory is only asked for beyond the largest plan so far.
     ///
     /// Where the numbers contradict each other the map becomes empty: everything is 1x1.
     pub fn set(&mut self, extent: [u32; 2], texel: [u32; 2], tiles: [u32; 2], texels: &[u8]) {

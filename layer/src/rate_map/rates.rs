@@ -85,7 +85,7 @@ pub(super) fn unary(rate: ShadingRate) -> u8 {
 
 /// Tiles' bytes in the map of an eye's rates, by byte, in the forms that the kernel needs.
 pub(super) struct TileBytes {
-    /// The texel with [`STALE`]; 1x1 for a byte that is no rate.
+    /// The texel with [`STALE`]; 1x1 for a byte that is not a rate.
     pub(super) texels: [u8; 256],
     /// Unary, with [`STALE`].
     pub(super) unary: [u8; 256],

@@ -250,7 +250,7 @@ fn a_plan_of_the_same_size_is_copied() {
 }
 
 #[test]
-fn what_is_stale_can_be_shaded_as_coarsely_as_can_be() {
+fn stale_tiles_can_have_the_coarsest_rate() {
     let rates = DeviceRates::new([ShadingRate::R2X2, ShadingRate::R2X1].into_iter());
     let mut texels = [0, STALE, ShadingRate::R2X1.texel(), ShadingRate::R2X1.texel() | STALE];
     rates.coarsen_stale(&mut texels);
@@ -294,7 +294,7 @@ fn texels_on_the_border_of_two_eyes_are_the_finer_of_both() {
 }
 
 #[test]
-fn what_is_rendered_can_be_kept_from_getting_coarse() {
+fn rendered_tiles_can_be_kept_fine() {
     let [full, coarse] = [ShadingRate::R1X1.texel(), ShadingRate::R4X4.texel()];
     let mut texels = [full, coarse, coarse | STALE, full | STALE];
     refine_fresh(&mut texels);

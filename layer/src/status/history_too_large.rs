@@ -1,4 +1,4 @@
-//! Why re-use keeps no pictures of a swapchain.
+//! Reasons why re-use keeps no pictures of a swapchain.
 
 use std::fmt;
 

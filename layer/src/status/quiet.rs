@@ -1,4 +1,4 @@
-//! When recognition has settled.
+//! Detection of the end of changes in recognition.
 
 /// Time without a new decision after which recognition has settled, nanoseconds of display time: rates have become coarser by then, too.
 const SETTLED_AFTER_NS: i64 = 2_000_000_000;

@@ -2,7 +2,7 @@
 
 use super::{HistoryTooLarge, SignalQuality};
 use crate::config::{AudioSource, DebugView, GazeSource};
-use crate::inputs::gaze::auto::Holder;
+use crate::inputs::gaze::auto::ActiveGazeSource;
 use crate::inputs::gaze::osc::OscStatus;
 use crate::link::{BACKEND_MASK, BACKEND_RATE_ATTACHMENT};
 use parafovea_core::gate::{Gate, GateMode};
@@ -29,7 +29,7 @@ pub struct StatusSnapshot {
     /// Configured source of the gaze.
     pub gaze_source: GazeSource,
     /// Source of the newest gaze.
-    pub gaze_holder: Holder,
+    pub active_gaze_source: ActiveGazeSource,
     /// Status of its packets.
     pub osc: OscStatus,
     /// Whether there was one in this frame.
@@ -62,7 +62,7 @@ pub struct StatusSnapshot {
     pub memory: u64,
     /// Device memory of the pictures that re-use keeps, bytes.
     pub reuse_memory: u64,
-    /// Why it keeps none of a swapchain.
+    /// Reason why it keeps none of a swapchain.
     pub reuse_refused: Option<HistoryTooLarge>,
     /// Whether colour is removed.
     pub attenuates_colour: bool,
@@ -83,7 +83,7 @@ impl Default for StatusSnapshot {
             passes_matched: 0,
             gaze_is_given: false,
             gaze_source: GazeSource::Auto,
-            gaze_holder: Holder::Centre,
+            active_gaze_source: ActiveGazeSource::Centre,
             osc: OscStatus::default(),
             gaze_is_valid: false,
             gaze_age_ms: None,
@@ -182,10 +182,10 @@ impl StatusSnapshot {
 
     fn gaze_status(&self) -> status::Gaze {
         let SignalQuality { rate_hz, valid, noise_deg, blinks, saccades } = self.signal;
-        let of_packets = self.gaze_holder == Holder::Osc && self.osc.rate_hz > 0.0;
+        let of_packets = self.active_gaze_source == ActiveGazeSource::Osc && self.osc.rate_hz > 0.0;
         status::Gaze {
             source: self.gaze_source.name().to_owned(),
-            holder: self.gaze_holder.name().to_owned(),
+            holder: self.active_gaze_source.name().to_owned(),
             is_given: self.gaze_is_given,
             is_valid: self.gaze_is_valid,
             age_ms: self.gaze_age_ms.map(f32::round),

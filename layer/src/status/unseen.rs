@@ -1,4 +1,4 @@
-//! Why an active session has no visible effect.
+//! Reasons why an active session has no visible effect.
 
 use super::{Decision, StatusSnapshot, Topic};
 use crate::config::{Config, GazeSource, chroma_settings, wants_maps, wants_reuse};
@@ -123,7 +123,7 @@ fn reuse(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     if snapshot.tiles_due < all {
         return None;
     }
-    // In most frames nothing is left out where pictures change all the time; that is no fault.
+    // In most frames nothing is left out where pictures change all the time; that is not a fault.
     is_blind(snapshot).then(|| "the gaze is unknown".to_owned())
 }
 
@@ -190,7 +190,7 @@ mod tests {
     fn nothing_is_said_where_something_is_seen() {
         let mut config = Config::default();
         assert_eq!(why_unseen(&config, &seen(), &NONE), None);
-        // Colour that stays is no reason where rates are coarse.
+        // Colour that stays is not a reason where rates are coarse.
         config.chroma.mode = ChromaMode::Default;
         assert_eq!(why_unseen(&config, &seen(), &NONE), None);
         let decided = StatusSnapshot { gpu_decides: true, tiles: [0; 16], ..seen() };

@@ -11,12 +11,13 @@ use super::runtime_section;
 use super::table::Table;
 use super::timing::Timing;
 use crate::backend::Backend;
-use crate::backend::attachment::Rates;
+use crate::backend::attachment::RateAttachments;
 use crate::backend::mask::Masks;
 use crate::gpu::Compiler;
 use crate::gpu::functions::Functions;
 use crate::link::{
-    BACKEND_ANY, BACKEND_NONE, CapabilitiesRecord, DeviceEnds, DeviceRecord, SettingsRecord, SwapchainRecord,
+    BACKEND_ANY, BACKEND_NONE, CapabilitiesRecord, DestroyDeviceCallback, DeviceRecord, SettingsRecord,
+    SwapchainRecord,
 };
 use crate::pass_detection::{ImageKey, SwapchainKey};
 use crate::rate_map::DeviceRates;
@@ -33,13 +34,13 @@ pub struct Armed {
     /// The next layer's functions under our hooks.
     pub next: ArmedTable,
     /// Its rate attachments; `None` without any.
-    pub rate_attachments: Option<Arc<Rates>>,
+    pub rate_attachments: Option<Arc<RateAttachments>>,
     /// Its masks, if there are no rate attachments.
     pub masks: Option<Arc<Masks>>,
     /// Its backend, if it has one.
     pub backend: Option<Box<dyn Backend>>,
     /// The rates that the backend offers.
-    pub rates: DeviceRates,
+    pub offered_rates: DeviceRates,
     /// The application's objects.
     pub objects: Objects,
     /// The layouts of virtual swapchains' images.
@@ -56,7 +57,7 @@ pub struct Armed {
     pub timing: Timing,
     functions: OnceLock<Option<Functions>>,
     /// Callbacks for the end of the device.
-    end_callbacks: Mutex<SmallVec<[DeviceEnds; 1]>>,
+    end_callbacks: Mutex<SmallVec<[DestroyDeviceCallback; 1]>>,
 }
 
 impl Armed {
@@ -64,7 +65,7 @@ impl Armed {
     pub fn new(
         record: DeviceRecord,
         next: ArmedTable,
-        rate_attachments: Option<Arc<Rates>>,
+        rate_attachments: Option<Arc<RateAttachments>>,
         masks: Option<Arc<Masks>>,
     ) -> Self {
         let backend: Option<Box<dyn Backend>> = match (&rate_attachments, &masks) {
@@ -78,7 +79,7 @@ impl Armed {
         Self {
             record,
             next,
-            rates: DeviceRates::new(rates),
+            offered_rates: DeviceRates::new(rates),
             rate_attachments,
             masks,
             backend,
@@ -100,8 +101,8 @@ impl Armed {
         self.backend.is_some()
     }
 
-    /// Whether the runtime's own commands and objects on this thread are of no use: a pass of it has no mask, but with rate attachments a map, which must
-    /// be initialised.
+    /// Whether commands and objects of the runtime on this thread need no tracking: with rate attachments they do, because their rate images
+    /// must be initialised.
     pub fn ignores_runtime(&self) -> bool {
         self.rate_attachments.is_none() && runtime_section::in_runtime_section()
     }
@@ -171,8 +172,10 @@ impl Armed {
     }
 
     /// Whether the application uses a swapchain's image on queues other than that one; before any submit with the image, whether it could.
-    pub fn is_used_beside(&self, image: vk::Image, queue: QueueId) -> bool {
-        self.layouts.is_used_beside(image, queue).unwrap_or_else(|| self.objects.has_queue_beside(queue))
+    pub fn is_used_on_other_queues(&self, image: vk::Image, queue: QueueId) -> bool {
+        self.layouts
+            .is_used_on_other_queues(image, queue)
+            .unwrap_or_else(|| self.objects.has_queue_beside(queue))
     }
 
     /// Forgets the passes that drew to an image that is about to be destroyed: the GPU is done with it.
@@ -200,17 +203,18 @@ impl Armed {
     }
 
     /// Has `call` called when the application destroys the device.
-    pub fn when_it_ends(&self, call: DeviceEnds) {
+    pub fn on_device_destroyed(&self, call: DestroyDeviceCallback) {
         self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner).push(call);
     }
 
     /// Waits for work of ours, and destroys our objects, before the device is destroyed.
     pub fn destroy_own(&self) {
-        let told = std::mem::take(&mut *self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner));
+        let callbacks =
+            std::mem::take(&mut *self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner));
         Compiler::end_on(self.record.device);
-        for ends in told {
+        for callback in callbacks {
             // SAFETY: a function of the other half, which is never unloaded; the device is live.
-            unsafe { ends(self.record.device) };
+            unsafe { callback(self.record.device) };
         }
         for ring in self.rings.remove_where(|_, _| true) {
             if let Some(functions) = self.functions() {

@@ -3,7 +3,7 @@
 use super::armed::Armed;
 use super::dispatch_key::DispatchKey;
 use super::functions::{ArmedTable, DeviceTable};
-use crate::backend::attachment::Rates;
+use crate::backend::attachment::RateAttachments;
 use crate::backend::mask::Masks;
 use crate::registry::Registry;
 use ash::vk;
@@ -55,7 +55,7 @@ impl Device {
     }
 
     /// Its rate attachments; `None` without any.
-    pub fn rates(&self) -> Option<&Rates> {
+    pub fn rate_attachments(&self) -> Option<&RateAttachments> {
         self.armed.as_ref()?.rate_attachments.as_deref()
     }
 

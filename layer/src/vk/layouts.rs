@@ -52,7 +52,7 @@ impl Layouts {
     }
 
     /// Whether submits to queues other than `queue` have used an image; `None` before any submit with it.
-    pub fn is_used_beside(&self, image: vk::Image, queue: QueueId) -> Option<bool> {
+    pub fn is_used_on_other_queues(&self, image: vk::Image, queue: QueueId) -> Option<bool> {
         self.read(|images| {
             let Followed { queues, is_used_elsewhere, .. } =
                 images.iter().find(|known| known.image == image)?;
@@ -118,7 +118,7 @@ mod tests {
             [(0, 0), (0, 1), (1, 0)].map(|(family, index)| QueueId { family, index });
         [one, two, three].into_iter().for_each(|image| layouts.follow(image));
         let submit = |queue, image| layouts.submitted(queue, &[(image, Layout::COLOR_ATTACHMENT_OPTIMAL)]);
-        let beside = || [one, two, three].map(|image| layouts.is_used_beside(image, session));
+        let beside = || [one, two, three].map(|image| layouts.is_used_on_other_queues(image, session));
         assert_eq!(beside(), [None; 3]);
         [one, two, three].into_iter().for_each(|image| submit(Some(session), image));
         assert_eq!(beside(), [Some(false); 3]);

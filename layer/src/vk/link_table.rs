@@ -7,9 +7,9 @@ use super::objects::QueueId;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart, GetLink,
-    LINK_VERSION, LinkTable, PictureRecord, RATES_OF_PLAN, RatesCopyRecord, ShownRecord, StaleRecord,
-    SwapchainRecord,
+    CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, EyeBufferRecord,
+    FrameReportRecord, FrameStart, GetLink, LINK_VERSION, LinkTable, RATES_OF_PLAN, RatesCopyRecord,
+    ShownRecord, StaleRecord, SwapchainRecord,
 };
 use crate::status;
 use ash::vk;
@@ -24,13 +24,13 @@ static TABLE: LinkTable = LinkTable {
     capabilities,
     swapchain,
     begin_frame,
-    picture,
+    eye_buffer,
     end_frame,
     stale,
     copy_rates,
-    when_it_ends,
+    on_device_destroyed,
     layout,
-    is_used_beside,
+    is_used_on_other_queues,
     decision,
 };
 
@@ -193,10 +193,10 @@ unsafe fn note_start(armed: &Armed, start: &FrameStart) {
 /// # Safety
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
-unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
+unsafe extern "C" fn eye_buffer(device: vk::Device, record: *const EyeBufferRecord) {
     // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
     unsafe {
-        with_armed("vkGetParafoveaLink.picture", device, record, |armed, record| {
+        with_armed("vkGetParafoveaLink.eye_buffer", device, record, |armed, record| {
             if let Some(own) = armed.submitter() {
                 armed.perception.analyze(own, record);
             }
@@ -229,7 +229,7 @@ unsafe extern "C" fn end_frame(
                     slice(submission.depth, submission.depth_count as usize),
                 )
             };
-            armed.frame.skip(submission.unnoticed);
+            armed.frame.skip(submission.skipped_frames);
             if armed.follows_passes() && armed.frame.learns() {
                 armed.frame.shown(&armed.objects, views, flat, depth);
             } else {
@@ -281,15 +281,15 @@ unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyReco
 /// # Safety
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
-unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
+unsafe extern "C" fn on_device_destroyed(device: vk::Device, call: DestroyDeviceCallback) -> u32 {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
-        "vkGetParafoveaLink.when_it_ends",
+        "vkGetParafoveaLink.on_device_destroyed",
         || 0,
         |_| unsafe {
             let known = device::of(device);
             known.as_ref().and_then(|known| known.armed.as_ref()).map_or(0, |armed| {
-                armed.when_it_ends(call);
+                armed.on_device_destroyed(call);
                 1
             })
         },
@@ -299,16 +299,21 @@ unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
 /// # Safety
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
-unsafe extern "C" fn is_used_beside(device: vk::Device, image: vk::Image, queue: *const [u32; 2]) -> u32 {
+unsafe extern "C" fn is_used_on_other_queues(
+    device: vk::Device,
+    image: vk::Image,
+    queue: *const [u32; 2],
+) -> u32 {
     // SAFETY: the other half passes a live device and two numbers (link.rs).
     guard(
-        "vkGetParafoveaLink.is_used_beside",
+        "vkGetParafoveaLink.is_used_on_other_queues",
         || 1,
         |_| unsafe {
             let known = device::of(device);
             let armed = known.as_ref().and_then(|known| known.armed.as_ref());
             let [family, index] = *queue;
-            armed.map_or(0, |armed| u32::from(armed.is_used_beside(image, QueueId { family, index })))
+            armed
+                .map_or(0, |armed| u32::from(armed.is_used_on_other_queues(image, QueueId { family, index })))
         },
     )
 }

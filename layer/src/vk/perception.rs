@@ -6,7 +6,7 @@
 
 mod copied;
 mod eye;
-mod pictures;
+mod eye_buffers;
 mod resolved_map;
 mod tools;
 
@@ -15,11 +15,11 @@ pub use resolved_map::{MapTarget, ResolvedMap, Written};
 use super::frame::Frame;
 use super::pre_submit::{Kept, PreSubmitRing, Submitter};
 use crate::gpu::{AppCommands, Later};
-use crate::link::{DeviceRecord, PictureRecord};
+use crate::link::{DeviceRecord, EyeBufferRecord};
 use ash::vk;
 use eye::{Eye, EyeTiles, Measured};
+use eye_buffers::EyeBuffers;
 use parafovea_core::kernels::decide::DecideParams;
-use pictures::Pictures;
 use smallvec::SmallVec;
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -51,7 +51,7 @@ struct State {
     /// Queue that analyses pictures: its family and index, and its handle.
     queue: Option<([u32; 2], vk::Queue)>,
     eyes: [Option<Eye>; 2],
-    pictures: Pictures,
+    eye_buffers: EyeBuffers,
     /// Number of analysed pictures.
     analyzed: u64,
     /// The last decision: number of the plan, and of the last analysis.
@@ -72,8 +72,8 @@ impl Perception {
     ///
     /// # Safety
     ///
-    /// As [`PictureRecord`] demands: the image is live and in the state described there, and this thread may use the queue.
-    pub unsafe fn analyze(&self, own: Submitter<'_>, record: &PictureRecord) {
+    /// As [`EyeBufferRecord`] demands: the image is live and in the state described there, and this thread may use the queue.
+    pub unsafe fn analyze(&self, own: Submitter<'_>, record: &EyeBufferRecord) {
         let eye = record.eye as usize;
         if eye > 1 {
             return;
@@ -192,7 +192,7 @@ impl Perception {
     /// A swapchain is about to end. Returns the queue whose work has to be waited for, as it reads pictures of that; `None` if there is none.
     pub fn forget_swapchain(&self, swapchain: u64) -> Option<vk::Queue> {
         let mut state = self.state();
-        if !state.pictures.forget(swapchain) {
+        if !state.eye_buffers.forget(swapchain) {
             return None;
         }
         state.queue.map(|(_, queue)| queue)
@@ -253,8 +253,8 @@ impl Perception {
         let forgotten = {
             let mut state = self.state();
             let eye = state.eyes[eye].take();
-            let pictures = eye.as_ref().map(|eye| state.pictures.forget_tiles(&eye.tiles));
-            (eye, pictures)
+            let buffers = eye.as_ref().map(|eye| state.eye_buffers.forget_tiles(&eye.tiles));
+            (eye, buffers)
         };
         drop(forgotten);
     }
@@ -313,15 +313,15 @@ impl Perception {
     fn picture(
         &self,
         tools: &Tools,
-        record: &PictureRecord,
+        record: &EyeBufferRecord,
         texel: [u32; 2],
         tiles: &Arc<EyeTiles>,
     ) -> Option<Arc<crate::kernels::analyze::AnalyzeTarget>> {
-        if let Some(known) = self.state().pictures.find(record, tiles) {
+        if let Some(known) = self.state().eye_buffers.find(record, tiles) {
             return Some(known);
         }
-        match pictures::target(tools, record, texel, tiles) {
-            Ok(new) => Some(self.state().pictures.keep(record, tiles, new)),
+        match eye_buffers::target(tools, record, texel, tiles) {
+            Ok(new) => Some(self.state().eye_buffers.keep(record, tiles, new)),
             Err(error) => {
                 error.log("an image was not analysed");
                 None

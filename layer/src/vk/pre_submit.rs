@@ -16,8 +16,8 @@ use std::any::Any;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Most pending command buffers of ours for a queue: of three frames, each with two submits that draw the scene, and a picture of each eye
-/// that is analysed, and one that is drawn over. Beyond that maps stay as they are, unless they have no content yet, or leave something
+/// Most pending command buffers of ours for a queue: of three frames, each with two submits that draw the scene, and an eye buffer
+/// of each eye that is analysed, and one that is drawn over. Beyond that maps stay as they are, unless they have no content yet, or leave something
 /// out, and pictures are left out.
 const MOST_SLOTS: usize = 24;
 

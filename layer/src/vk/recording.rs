@@ -29,7 +29,9 @@ use super::device;
 use super::functions::ArmedTable;
 use super::table::Table;
 use super::timing::Timer;
-use crate::backend::mask::{Ended, OpenMask, Pending, PipelineFacts, Prepasses, Returns, follows_graphics};
+use crate::backend::mask::{
+    EarlyReturnSupport, Ended, OpenMask, Pending, PipelineFacts, Prepasses, follows_graphics,
+};
 use crate::pass_detection::{Event, Pass};
 use ash::vk;
 use compute::Bound;
@@ -278,8 +280,10 @@ impl Recorded {
             }
         }
         // Pipelines that secondary command buffers bind stay the application's own.
-        let pipelines =
-            secondary.within.pipelines.map(|facts| PipelineFacts { returns: Returns::default(), ..facts });
+        let pipelines = secondary
+            .within
+            .pipelines
+            .map(|facts| PipelineFacts { returns: EarlyReturnSupport::default(), ..facts });
         self.add(Within { pipelines, ..secondary.within });
         if self.is_within_pass() {
             self.tally.execute(&secondary.tally);
@@ -301,7 +305,7 @@ pub unsafe fn with_buffer<F>(
 ) -> Option<(Option<Arc<Buffer>>, F)> {
     if untracked::is_here(handle) {
         // SAFETY: the handle is live, as `# Safety` demands.
-        if let Some(armed) = unsafe { draws::quick(handle) } {
+        if let Some(armed) = unsafe { draws::cached_device(handle) } {
             return Some((None, choose(&armed.next)?));
         }
     }

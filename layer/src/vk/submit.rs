@@ -130,10 +130,10 @@ unsafe fn prepare(
     }
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
     unsafe { update(armed, (is_followed, is_applications), queue, touched) };
-    if followed.iter().any(|candidate| candidate.content().leaves_out()) {
+    if followed.iter().any(|candidate| candidate.content().has_stale_tiles()) {
         let mut log = armed.frame.log();
         for candidate in &followed {
-            log.leave_out(candidate.content().stale());
+            log.add_stale(candidate.content().stale());
         }
     }
 }

@@ -26,7 +26,7 @@ pub struct Timing {
     /// Whether the device is a CPU, whose frames are not timed.
     is_cpu: bool,
     is_wanted: AtomicBool,
-    /// Bits of timestamps that hold, by command pool; pools without any are left out.
+    /// Valid bits of timestamps (`timestampValidBits`), by command pool; pools without any are left out.
     pools: Table<vk::CommandPool, u64>,
     clock: OnceLock<Clock>,
     frames: Mutex<FrameTimes>,
@@ -37,8 +37,8 @@ pub struct Timing {
 struct Clock {
     /// Nanoseconds of a step.
     step_ns: f64,
-    /// Bits that hold, by queue family.
-    masks: Vec<u64>,
+    /// Valid bits of timestamps (`timestampValidBits`), by queue family.
+    valid_bits: Vec<u64>,
 }
 
 /// A submit whose timestamps were not read yet.
@@ -54,8 +54,8 @@ const MOST_UNREAD: usize = 256;
 /// The timestamps in a command buffer.
 #[derive(Default)]
 pub struct Timer {
-    /// Bits that hold on its queues; 0: nothing is timed in it.
-    mask: u64,
+    /// Valid bits of timestamps (`timestampValidBits`) on its queues; 0: nothing is timed in it.
+    valid_bits: u64,
     queries: Option<Arc<Queries>>,
     state: State,
     /// Whether it may run twice at once, and would write the same timestamps from both.
@@ -108,9 +108,9 @@ impl Timing {
         if self.is_cpu {
             return;
         }
-        let mask = self.clock(functions).masks.get(family as usize).copied().unwrap_or(0);
-        if mask != 0 {
-            self.pools.insert(pool, mask);
+        let valid_bits = self.clock(functions).valid_bits.get(family as usize).copied().unwrap_or(0);
+        if valid_bits != 0 {
+            self.pools.insert(pool, valid_bits);
         }
     }
 
@@ -122,8 +122,8 @@ impl Timing {
     /// For a new command buffer of a pool.
     pub fn timer(&self, pool: vk::CommandPool, level: vk::CommandBufferLevel) -> Timer {
         let is_primary = level == vk::CommandBufferLevel::PRIMARY;
-        let mask = if is_primary { self.pools.get(pool).unwrap_or(0) } else { 0 };
-        Timer { mask, ..Timer::default() }
+        let valid_bits = if is_primary { self.pools.get(pool).unwrap_or(0) } else { 0 };
+        Timer { valid_bits, ..Timer::default() }
     }
 
     /// For command buffers of our own, for queues of that family.
@@ -131,13 +131,13 @@ impl Timing {
         if self.is_cpu {
             return Timer::default();
         }
-        let mask = self.clock(functions).masks.get(family as usize).copied().unwrap_or(0);
-        Timer { mask, ..Timer::default() }
+        let valid_bits = self.clock(functions).valid_bits.get(family as usize).copied().unwrap_or(0);
+        Timer { valid_bits, ..Timer::default() }
     }
 
     /// A command buffer with commands that take time is about to be submitted in that frame.
     pub fn submitted(&self, timer: &Timer, frame: u64, work: Work) {
-        if timer.mask == 0 {
+        if timer.valid_bits == 0 {
             return;
         }
         let Some(queries) = timer.queries.as_ref().filter(|_| timer.state == State::Whole) else {
@@ -216,7 +216,8 @@ impl Timing {
             };
             // Queries are reset on queues that draw or compute (Vulkan specification, vkCmdResetQueryPool).
             let resets = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
-            let mask = |family: &vk::QueueFamilyProperties| match family.queue_flags.intersects(resets) {
+            let valid_bits = |family: &vk::QueueFamilyProperties| match family.queue_flags.intersects(resets)
+            {
                 true => {
                     u64::MAX.checked_shr(u64::BITS.saturating_sub(family.timestamp_valid_bits)).unwrap_or(0)
                 }
@@ -224,7 +225,7 @@ impl Timing {
             };
             Clock {
                 step_ns: f64::from(properties.limits.timestamp_period),
-                masks: families.iter().map(mask).collect(),
+                valid_bits: families.iter().map(valid_bits).collect(),
             }
         })
     }
@@ -240,7 +241,7 @@ impl Timer {
     pub unsafe fn of_tests(device: &ash::Device) -> Self {
         // SAFETY: as `# Safety` demands.
         let queries = unsafe { Queries::new(device, u64::MAX) }.ok().map(Arc::new);
-        Self { mask: u64::MAX, queries, ..Self::default() }
+        Self { valid_bits: u64::MAX, queries, ..Self::default() }
     }
 
     /// Resets the timer: the command buffer begins again.
@@ -255,7 +256,7 @@ impl Timer {
 
     /// Whether there may be a first timestamp, and is none.
     pub fn may_begin(&self) -> bool {
-        self.mask != 0 && self.state == State::Empty && !self.may_overlap && !self.has_failed
+        self.valid_bits != 0 && self.state == State::Empty && !self.may_overlap && !self.has_failed
     }
 
     /// Whether there is a first timestamp, and no second.
@@ -285,7 +286,7 @@ impl Timer {
         if self.queries.is_none() {
             let Some(functions) = functions() else { return };
             // SAFETY: the device is live, and command buffers do not outlive it.
-            match unsafe { Queries::new(&functions.device, self.mask) } {
+            match unsafe { Queries::new(&functions.device, self.valid_bits) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),
                 Err(error) => {
                     error.log("frames are not timed");

@@ -1,8 +1,8 @@
 //! Eye gaze through `XR_EXT_eye_gaze_interaction`, for an application that does not use it.
 //!
-//! An action set of ours rides along: first in the application's `xrAttachSessionActionSets` (a SteamVR bug keeps only the last set usable,
-//! which must be the application's), and in each of its `xrSyncActions`. An application without any input gets ours attached and synchronised
-//! after `gaze.attach_alone_after_s`. The application sees its own input, and events, as it would without us.
+//! The layer adds an action set of its own: first in the application's `xrAttachSessionActionSets` (a SteamVR bug keeps only the last set
+//! usable, which must be the application's), and in each of its `xrSyncActions`. An application without any input gets ours attached and
+//! synchronised after `gaze.attach_alone_after_s`. The application sees its own input, and events, as it would without us.
 
 mod application;
 mod events;
@@ -33,7 +33,7 @@ fn below_of(handle: xr::Instance) -> Option<(Option<Arc<Instance>>, Next)> {
     Some((known, next))
 }
 
-/// `xrStringToPath`: an application that asks for the path of an input will have action sets some day.
+/// `xrStringToPath`: a sign that the application will create action sets.
 ///
 /// # Safety
 ///
@@ -54,7 +54,7 @@ pub unsafe extern "system" fn string_to_path(
     })
 }
 
-/// `xrCreateActionSet`: an application that has one will attach it some day.
+/// `xrCreateActionSet`: the application will attach the set later.
 ///
 /// # Safety
 ///

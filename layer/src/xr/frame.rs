@@ -3,8 +3,8 @@
 mod complete;
 mod debug_view;
 mod depth;
+mod eye_buffers;
 mod history;
-mod pictures;
 mod regions;
 mod report;
 mod work;
@@ -193,7 +193,7 @@ impl FrameEnd<'_> {
         let time = submission.time;
         session.actions.frame_ended(session, config, time);
         let mut report = active.report();
-        report::end_frame(&active.device, submission, active.plan.sleep.unended(), &mut report);
+        report::end_frame(&active.device, submission, active.plan.sleep.take_skipped_ends(), &mut report);
         active.take_over_decisions(report.decisions);
         plan::frame_ended(active, config, time, &report);
         if let Some(scene) = submission.scene() {
@@ -204,7 +204,7 @@ impl FrameEnd<'_> {
         if let Some(reporter) = session.reporter.as_ref().filter(|reporter| reporter.is_asked()) {
             reporter.report(plan::status(session, active, config, &report), Arc::clone(&config.source));
         }
-        plan::fall_asleep(session, (active, config), time, report.unfollowed);
+        plan::fall_asleep(session, (active, config), time, report.untracked_frames);
         delivered
     }
 }
@@ -237,7 +237,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     let (Some(tools), Health::Works | Health::CopyOnly) = (active.tools(), active.health()) else {
         return cannot();
     };
-    let _give_up = GiveUpOnPanic(active);
+    let _degrade = DegradeOnPanic(active);
     let next = &session.instance.next;
 
     let mut history = active.plan.history();
@@ -253,7 +253,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     match submit(active, tools, &mut works) {
         Ok(()) => {
             // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
-            unsafe { pictures::notify(frame, &works) };
+            unsafe { eye_buffers::notify(frame, &works) };
             if is_drawn_over {
                 // SAFETY: as above. The debug view is drawn last: no pass of the layer reads it.
                 unsafe { debug_view::draw(frame, &works) };
@@ -347,10 +347,10 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
     })
 }
 
-/// Gives a technique up that panics, so that it does not do so in every frame.
-struct GiveUpOnPanic<'a>(&'a Active);
+/// Lowers the health of the session after a panic, so that the same panic does not recur in every frame.
+struct DegradeOnPanic<'a>(&'a Active);
 
-impl Drop for GiveUpOnPanic<'_> {
+impl Drop for DegradeOnPanic<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.0.worsen_to(match self.0.health() {

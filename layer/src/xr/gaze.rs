@@ -5,8 +5,8 @@
 
 use super::session::Session;
 use crate::config::{Config, FilePath, GazeSource};
-use crate::inputs::gaze::auto::{Auto, Holder};
-use crate::inputs::gaze::correction::GazeCorrecting;
+use crate::inputs::gaze::auto::{ActiveGazeSource, Auto};
+use crate::inputs::gaze::correction::SessionGazeCorrection;
 use crate::inputs::gaze::osc::{Listener, OscSource};
 use crate::inputs::gaze::recording::Recording;
 use crate::inputs::gaze::script::GazeScript;
@@ -29,7 +29,7 @@ const MOST_BYTES: u64 = 1 << 28;
 #[derive(Debug, Default)]
 pub struct SessionGaze {
     state: Mutex<State>,
-    correction: Arc<GazeCorrecting>,
+    correction: Arc<SessionGazeCorrection>,
 }
 
 #[derive(Debug, Default)]
@@ -38,14 +38,14 @@ struct State {
     script: Option<Arc<GazeScript>>,
     record: FilePath,
     recording: Option<Recording>,
-    /// When the gaze was asked for first: the 0 of files.
+    /// Time at which the gaze was asked for first: the 0 of files.
     begin_ns: Option<i64>,
     osc: OscSource,
     auto: Auto,
     /// Of packets, by the runtime's eye tracker.
     delay: GazeDelay,
     /// Source of the newest gaze.
-    holder: Holder,
+    active_source: ActiveGazeSource,
 }
 
 impl SessionGaze {
@@ -54,7 +54,7 @@ impl SessionGaze {
     }
 
     /// Begins without a gaze; the gaze of eye trackers gets the correction.
-    pub fn new(correction: Arc<GazeCorrecting>) -> Self {
+    pub fn new(correction: Arc<SessionGazeCorrection>) -> Self {
         Self { state: Mutex::default(), correction }
     }
 
@@ -131,7 +131,7 @@ impl SessionGaze {
     /// Writes the source of the gaze, and the counts and the delay of packets.
     pub fn write_status(&self, snapshot: &mut StatusSnapshot) {
         let state = self.state();
-        snapshot.gaze_holder = state.holder;
+        snapshot.active_gaze_source = state.active_source;
         snapshot.osc = state.osc.status();
         snapshot.packet_delay_ms = state.delay.delay_ms();
         drop(state);
@@ -140,9 +140,9 @@ impl SessionGaze {
 
     /// Takes the phase of the gaze by the newest `look`, for its drift. A gaze of no tracker has none.
     pub fn note_phase(&self, look: Look, phase: GazePhase, time: xr::Time) {
-        let holder = self.state().holder;
-        if matches!(holder, Holder::Eyes | Holder::Osc) {
-            self.correction.note_phase(holder, look, phase, time.as_nanos());
+        let active_source = self.state().active_source;
+        if matches!(active_source, ActiveGazeSource::Eyes | ActiveGazeSource::Osc) {
+            self.correction.note_phase(active_source, look, phase, time.as_nanos());
         }
     }
 
@@ -166,27 +166,27 @@ impl SessionGaze {
     pub fn look(&self, session: &Session, config: &Config, time: xr::Time) -> Look {
         let time_ns = time.as_nanos();
         let packets = || self.state().osc.look(time_ns, latency_ns());
-        let (holder, look) = match config.gaze.source {
+        let (active_source, look) = match config.gaze.source {
             GazeSource::Auto => {
                 let (eyes, packets) = (session.actions.look(session, time), packets());
                 let mut state = self.state();
                 state.compare(eyes, packets);
                 state.auto.choose(eyes, packets, time_ns)
             }
-            GazeSource::Eyes => (Holder::Eyes, session.actions.look(session, time)),
-            GazeSource::Osc => (Holder::Osc, packets()),
-            GazeSource::Centre => (Holder::Centre, Look::NoTracker),
-            GazeSource::File => (Holder::File, self.scripted(time_ns)),
+            GazeSource::Eyes => (ActiveGazeSource::Eyes, session.actions.look(session, time)),
+            GazeSource::Osc => (ActiveGazeSource::Osc, packets()),
+            GazeSource::Centre => (ActiveGazeSource::Centre, Look::NoTracker),
+            GazeSource::File => (ActiveGazeSource::File, self.scripted(time_ns)),
         };
-        let look = match holder {
-            Holder::Eyes | Holder::Osc => {
+        let look = match active_source {
+            ActiveGazeSource::Eyes | ActiveGazeSource::Osc => {
                 let look = turned(look, config.gaze.offset_deg.left_up_deg());
-                self.correction.corrected(holder, look, time_ns)
+                self.correction.corrected(active_source, look, time_ns)
             }
-            Holder::Centre | Holder::File => look,
+            ActiveGazeSource::Centre | ActiveGazeSource::File => look,
         };
         let mut state = self.state();
-        state.holder = holder;
+        state.active_source = active_source;
         if state.recording.is_some() {
             let begin = *state.begin_ns.get_or_insert(time_ns);
             if let Some(recording) = &mut state.recording {
@@ -210,7 +210,7 @@ impl SessionGaze {
             Some(Offered::Packets) => {
                 let look = self.state().osc.application_look(time_ns, latency_ns());
                 let look = turned(look, config.gaze.offset_deg.left_up_deg());
-                self.correction.corrected_for_application(Holder::Osc, look)
+                self.correction.corrected_for_application(ActiveGazeSource::Osc, look)
             }
             Some(Offered::File) => self.scripted(time_ns),
             None => Look::NoTracker,

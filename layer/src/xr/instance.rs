@@ -75,7 +75,7 @@ pub fn next_of_any() -> Option<Next> {
     Some(any_hooked()?.next)
 }
 
-/// The instance of a handle of which only its parent's is known here: as above.
+/// Any instance that is not inert, for a handle whose instance is not tracked here.
 pub fn any_hooked() -> Option<Arc<Instance>> {
     INSTANCES.find_map(|known| known.hooked.clone())
 }
@@ -220,7 +220,7 @@ unsafe fn create_with_eye_gaze(
             (create(&with_extensions(info, &others)), GazeExtension::Missing)
         }
         EyeGaze::Unreadable => (create(info), GazeExtension::Off),
-        EyeGaze::NotThere => {
+        EyeGaze::Missing => {
             tracing::info!(
                 "no eye tracker: this runtime does not offer XR_EXT_eye_gaze_interaction; gaze.source = \"osc\" and \"centre\" do not need it"
             );

@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_understood_is_refused() {
+    fn invalid_structures_are_refused() {
         let refused = |change: fn(&mut xr::NegotiateLoaderInfo, &mut xr::NegotiateApiLayerRequest)| {
             let (mut loader, mut request) = (loader(1), request());
             change(&mut loader, &mut request);

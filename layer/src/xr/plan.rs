@@ -27,7 +27,7 @@ use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
 };
 use crate::pass_detection::Feedback;
-use crate::planner::{Benefit, Clock, EndedFrame, Planning, View};
+use crate::planner::{Benefit, Clock, EndedFrame, SessionPlanner, View};
 use crate::status::{
     Known, Quiet, StatusSnapshot, Topic, all_decisions, decided, decision_count, why_unseen,
 };
@@ -42,7 +42,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thread::PlanThread;
 use views::{plan, watch};
 
-/// Numbers of plans rise in all sessions alike: one device may have one session after the other.
+/// Serial of the newest plan, counted over all sessions: one device can have several sessions in sequence.
 static SERIAL: AtomicU64 = AtomicU64::new(0);
 
 /// No time yet.
@@ -51,7 +51,7 @@ const NEVER: i64 = i64::MIN;
 /// The plan of an active session.
 pub struct SessionPlan {
     thread: PlanThread,
-    told: Mutex<Option<Wanted>>,
+    sent_settings: Mutex<Option<VulkanSettings>>,
     benefit: Mutex<Benefit>,
     audio_input: Mutex<AudioInput>,
     /// Display time of the frame that xrWaitFrame returned last.
@@ -59,7 +59,7 @@ pub struct SessionPlan {
     frame: Mutex<Frame>,
     /// Since when recognition is quiet.
     quiet: Mutex<Quiet>,
-    has_looked: AtomicBool,
+    has_reported_unseen: AtomicBool,
     /// Whether the session runs, for all that is known: until xrEndSession, and again from xrBeginSession on.
     is_running: AtomicBool,
     /// The ignored frames.
@@ -71,7 +71,7 @@ pub struct SessionPlan {
 /// The frame that xrBeginFrame began last.
 #[derive(Clone, Debug)]
 struct Frame {
-    /// The configuration of all that is done for it.
+    /// Configuration of the frame.
     config: Arc<ConfigSnapshot>,
     /// Its display time; `None` before the first.
     time: Option<xr::Time>,
@@ -86,13 +86,13 @@ impl SessionPlan {
     pub fn new(config: Arc<ConfigSnapshot>, device: VulkanDevice) -> Self {
         Self {
             thread: PlanThread::new(PlanWork::new(device)),
-            told: Mutex::default(),
+            sent_settings: Mutex::default(),
             benefit: Mutex::default(),
             audio_input: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
             frame: Mutex::new(Frame { config, time: None, is_located: false, later: None }),
             quiet: Mutex::default(),
-            has_looked: AtomicBool::new(false),
+            has_reported_unseen: AtomicBool::new(false),
             is_running: AtomicBool::new(true),
             sleep: Sleep::default(),
             feedback: Mutex::default(),
@@ -109,8 +109,8 @@ impl SessionPlan {
     }
 
     /// The planner, after the plan of the frame was made.
-    pub fn planning(&self) -> MutexGuard<'_, Planning> {
-        self.thread.work().planning()
+    pub fn planner(&self) -> MutexGuard<'_, SessionPlanner> {
+        self.thread.work().planner()
     }
 
     /// The session's last pictures.
@@ -155,8 +155,8 @@ impl SessionPlan {
         if self.has_failed() {
             return [None; 2];
         }
-        let planning = self.planning();
-        [planning.focus(0), planning.focus(1)]
+        let planner = self.planner();
+        [planner.focus(0), planner.focus(1)]
     }
 
     /// The modes of a configuration; re-use is off where pictures of earlier frames are read.
@@ -170,7 +170,7 @@ impl SessionPlan {
         *self.feedback.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes whether passes of the last frame read pictures of earlier frames.
+    /// Notes whether passes of the last frame read eye buffers of earlier frames.
     fn take_feedback(&self, config: &Config, feedback: Feedback) {
         let before =
             std::mem::replace(&mut *self.feedback.lock().unwrap_or_else(PoisonError::into_inner), feedback);
@@ -183,7 +183,7 @@ impl SessionPlan {
         self.thread.work_in_progress().has_failed()
     }
 
-    /// The session runs from now on, or no more: without frames there is no newer plan, so passes get no rates.
+    /// Sets whether the session runs. Without frames no newer plan arrives, so passes get no rates.
     pub fn set_running(&self, active: &Active, is_running: bool) {
         self.is_running.store(is_running, Ordering::Relaxed);
         self.sleep.wake();
@@ -192,24 +192,24 @@ impl SessionPlan {
 
     /// Whether passes get shading rates, by the last settings of the Vulkan half.
     pub fn has_rates(&self) -> bool {
-        let told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        told.is_some_and(|told| told.techniques.rates)
+        let sent = self.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
+        sent.is_some_and(|sent| sent.techniques.rates)
     }
 
     /// Sends the Vulkan half the settings of the configuration and of the gates if they are new.
     pub fn notify_settings(&self, active: &Active, config: &Config) {
-        let (pays, wants_costs) = {
+        let (techniques, wants_costs) = {
             let mut benefit = self.benefit();
             benefit.set_mode(self.gate_modes(config));
             (benefit.is_on(), benefit.wants_costs())
         };
         let is_running = self.is_running.load(Ordering::Relaxed);
-        let techniques = if self.has_failed() || !is_running { Techniques::default() } else { pays };
-        let wanted = Wanted::new(config, techniques, wants_costs && is_running);
-        self.planning().set_techniques(wanted.techniques, wants_costs);
+        let techniques = if self.has_failed() || !is_running { Techniques::default() } else { techniques };
+        let wanted = VulkanSettings::new(config, techniques, wants_costs && is_running);
+        self.planner().set_techniques(wanted.techniques, wants_costs);
         let is_changed = {
-            let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-            told.replace(wanted) != Some(wanted)
+            let mut sent_settings = self.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
+            sent_settings.replace(wanted) != Some(wanted)
         };
         if is_changed {
             let passes = wanted.passes.to_string();
@@ -234,14 +234,14 @@ impl SessionPlan {
 
 /// Settings of the Vulkan half.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Wanted {
+struct VulkanSettings {
     techniques: Techniques<bool>,
     times_frames: bool,
     backend: u32,
     passes: PassRules,
 }
 
-impl Wanted {
+impl VulkanSettings {
     fn new(config: &Config, techniques: Techniques<bool>, times_frames: bool) -> Self {
         let backend = match config.rates.backend {
             RatesBackend::Auto => BACKEND_ANY,
@@ -264,17 +264,17 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
     state.take_feedback(config, report.feedback);
     let time_ns = time.as_nanos();
     let (phase, on_cpu) = {
-        let planning = state.planning();
-        (planning.phase(config, time_ns), planning.renders_on_cpu())
+        let planner = state.planner();
+        (planner.phase(config, time_ns), planner.renders_on_cpu())
     };
-    let told = *state.told.lock().unwrap_or_else(PoisonError::into_inner);
-    let is_timed = told.is_some_and(|told| told.times_frames);
+    let sent_settings = *state.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_timed = sent_settings.is_some_and(|sent| sent.times_frames);
     let clock =
         if on_cpu { Clock::Cpu(is_timed.then(process_cpu_ns).flatten()) } else { Clock::Gpu(report.frame) };
     let frame = EndedFrame {
         time_ns,
         clock,
-        wanted: told.map(|told| told.techniques).unwrap_or_default(),
+        wanted: sent_settings.map(|sent| sent.techniques).unwrap_or_default(),
         passes: report.passes_with_rates,
         eye_passes: report.eye_passes,
         phase,
@@ -306,7 +306,7 @@ pub fn status(
     };
     snapshot.memory = active.made_tools().map_or(0, |tools| tools.gpu.memory_used());
     (snapshot.reuse_memory, snapshot.reuse_refused) = swapchain::history_memory(session.handle);
-    state.planning().write_status(config, &mut snapshot);
+    state.planner().write_status(config, &mut snapshot);
     session.gaze.write_status(&mut snapshot);
     snapshot.gaze_is_given = session.offer.as_ref().is_some_and(SessionOffer::is_given);
     let benefit = state.benefit();
@@ -323,14 +323,14 @@ pub fn report_unseen(
     report: &FrameReport,
 ) {
     let state = &active.plan;
-    if state.has_looked.load(Ordering::Relaxed) {
+    if state.has_reported_unseen.load(Ordering::Relaxed) {
         return;
     }
     let has_settled = {
         let mut quiet = state.quiet.lock().unwrap_or_else(PoisonError::into_inner);
         quiet.frame(time.as_nanos(), decision_count())
     };
-    if !has_settled || state.has_looked.swap(true, Ordering::Relaxed) {
+    if !has_settled || state.has_reported_unseen.swap(true, Ordering::Relaxed) {
         return;
     }
     let known = Known {
@@ -353,11 +353,11 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let last = std::mem::replace(&mut *state.frame(), frame);
     state.notify_settings(active, &config);
     {
-        let mut planning = state.planning();
+        let mut planner = state.planner();
         if let Some(views) = last.later {
-            planning.views.located(&views);
+            planner.views.located(&views);
         }
-        planning.frame_begins(time.as_nanos(), count);
+        planner.frame_begins(time.as_nanos(), count);
     }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !last.is_located {

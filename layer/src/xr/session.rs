@@ -15,7 +15,7 @@ use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::{attempt, executable, guard};
 use crate::config::{ChromaMode, Config, Environment, GazeSource, debug_view, wants_contrast, wants_reuse};
-use crate::inputs::gaze::correction::{CorrectionRequests, GazeCorrecting};
+use crate::inputs::gaze::correction::{CorrectionRequests, SessionGazeCorrection};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use crate::status::StatusReporter;
@@ -198,7 +198,7 @@ pub(super) unsafe fn track(
     }
     // Never with elevated rights: then instances are inert.
     let environment = Environment::of_process(false);
-    let correction = Arc::<GazeCorrecting>::default();
+    let correction = Arc::<SessionGazeCorrection>::default();
     let has_gaze = active.is_some() || offer.is_some();
     let requests = has_gaze.then(|| {
         CorrectionRequests::new(&environment, std::process::id(), headset.name, Arc::clone(&correction))

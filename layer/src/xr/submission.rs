@@ -61,7 +61,7 @@ pub struct Projection<'a> {
 /// A view of a projection layer.
 #[derive(Clone, Copy, Debug)]
 pub struct ProjectionView {
-    /// From the view's space to that of the layer; `None` for a quaternion that is no rotation.
+    /// From the view's space to that of the layer; `None` for an invalid quaternion.
     pub orientation: Option<Quat>,
     /// Position in the space of the layer, metres.
     pub position_m: Vec3,

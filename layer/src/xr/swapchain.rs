@@ -49,10 +49,10 @@ pub struct Swapchain {
     /// Our images, if it is virtual.
     pub substitute: Option<Substitute>,
     description: Description,
-    turns: Mutex<AcquiredImages>,
+    acquired_images: Mutex<AcquiredImages>,
     drawn_over: Mutex<DrawnOver>,
     depth: Mutex<Depth>,
-    is_told: AtomicBool,
+    is_announced: AtomicBool,
 }
 
 impl Swapchain {
@@ -67,10 +67,10 @@ impl Swapchain {
             session: Arc::clone(session),
             substitute,
             description,
-            turns: Mutex::default(),
+            acquired_images: Mutex::default(),
             drawn_over: Mutex::default(),
             depth: Mutex::default(),
-            is_told: AtomicBool::new(false),
+            is_announced: AtomicBool::new(false),
         }
     }
 
@@ -84,28 +84,28 @@ impl Swapchain {
         self.description.extent_and_layers()
     }
 
-    fn turns(&self) -> MutexGuard<'_, AcquiredImages> {
-        self.turns.lock().unwrap_or_else(PoisonError::into_inner)
+    fn acquired_images(&self) -> MutexGuard<'_, AcquiredImages> {
+        self.acquired_images.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The image that the application released last.
     fn newest_image(&self) -> Option<u32> {
         match &self.substitute {
             Some(substitute) => substitute.ring().newest().map(|newest| newest.index),
-            None => self.turns().newest(),
+            None => self.acquired_images().newest(),
         }
     }
 
     /// Sends the Vulkan half the application's images, once.
     fn notify_images(&self, images: &[vk::Image]) {
-        if !images.is_empty() && !self.is_told.swap(true, Ordering::Relaxed) {
+        if !images.is_empty() && !self.is_announced.swap(true, Ordering::Relaxed) {
             self.notify(images);
         }
     }
 
     /// Notifies the Vulkan half that the images are about to be destroyed.
     fn notify_end(&self) {
-        if self.is_told.swap(false, Ordering::Relaxed) {
+        if self.is_announced.swap(false, Ordering::Relaxed) {
             self.notify(&[]);
         }
     }

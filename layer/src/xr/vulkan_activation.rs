@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_user_set_stays_behind_ours() {
+    fn the_users_values_stay_behind_ours() {
         let folder = Path::new("/lib");
         let user = environment(&[("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")]);
         assert_eq!(

@@ -4,10 +4,10 @@
 use super::structures::VulkanBinding;
 use crate::config::{Arming, device_armed};
 use crate::link::{
-    BACKEND_NONE, CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord,
-    FrameStart, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
-    MOST_FRAME_TIMES, PictureRecord, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord, ShownRecord,
-    StaleRecord, SwapchainRecord,
+    BACKEND_NONE, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, EyeBufferRecord,
+    FrameReportRecord, FrameStart, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable,
+    LoaderGetDeviceProcAddr, MOST_FRAME_TIMES, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord,
+    ShownRecord, StaleRecord, SwapchainRecord,
 };
 use crate::pass_detection::Feedback;
 use crate::status::{Decision, Topic};
@@ -29,7 +29,7 @@ pub struct VulkanDevice {
     pub capabilities: CapabilitiesRecord,
 }
 
-/// Why a session's device is out of reach, so that the session stays inert.
+/// Reason why a session's device is out of reach, so that the session stays inert.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotLinked {
     /// The process has no libvulkan.so.1 loaded.
@@ -109,9 +109,9 @@ impl VulkanDevice {
     }
 
     /// Registers `call` for the destruction of the device by the application; false if it will not be called.
-    pub fn when_it_ends(&self, call: DeviceEnds) -> bool {
+    pub fn on_device_destroyed(&self, call: DestroyDeviceCallback) -> bool {
         // SAFETY: the device is live, as above.
-        unsafe { (self.table.when_it_ends)(self.record.device, call) == 1 }
+        unsafe { (self.table.on_device_destroyed)(self.record.device, call) == 1 }
     }
 
     /// Sends the images of a swapchain, or, without any, the notice that it is about to be destroyed.
@@ -134,14 +134,14 @@ impl VulkanDevice {
         unsafe { (self.table.begin_frame)(self.record.device, start) }
     }
 
-    /// Sends a finished picture of an eye.
+    /// Sends a finished eye buffer.
     ///
     /// # Safety
     ///
-    /// As [`PictureRecord`] demands.
-    pub unsafe fn notify_picture(&self, record: &PictureRecord) {
-        // SAFETY: the device is live, as above; the record is as [`PictureRecord`] demands.
-        unsafe { (self.table.picture)(self.record.device, record) }
+    /// As [`EyeBufferRecord`] demands.
+    pub unsafe fn notify_eye_buffer(&self, record: &EyeBufferRecord) {
+        // SAFETY: the device is live, as above; the record is as [`EyeBufferRecord`] demands.
+        unsafe { (self.table.eye_buffer)(self.record.device, record) }
     }
 
     /// Ends a frame with its submission, and takes the report on it. A steady frame allocates nothing.
@@ -156,7 +156,7 @@ impl VulkanDevice {
             eye_passes: 0,
             feedback: 0,
             decisions: 0,
-            unfollowed: 0,
+            untracked_frames: 0,
             time_count: 0,
             times: [FrameTimeRecord::default(); MOST_FRAME_TIMES],
             stale: report.words.each_mut().map(stale_record),
@@ -169,7 +169,7 @@ impl VulkanDevice {
         report.eye_passes = record.eye_passes;
         report.feedback = Feedback::from_number(record.feedback);
         report.decisions = record.decisions;
-        report.unfollowed = record.unfollowed;
+        report.untracked_frames = record.untracked_frames;
         report.times.clear();
         report.times.extend(record.times.into_iter().take(record.time_count as usize));
         for (eye, stale) in record.stale.into_iter().enumerate() {
@@ -180,7 +180,7 @@ impl VulkanDevice {
         }
     }
 
-    /// Takes the stale tiles of an eye's image (0: left, 1: right); asks again with more room if they had too little.
+    /// Takes the stale tiles of an eye buffer (0: left, 1: right); asks again with more room if they had too little.
     fn take_stale(&self, eye: usize, record: &StaleRecord, words: &mut Vec<u32>, stale: &mut StaleTiles) {
         let mut record = *record;
         loop {
@@ -231,10 +231,10 @@ impl VulkanDevice {
 
     /// Whether the application has submitted commands that use an image of a swapchain to a queue other than the session's, or, before any
     /// submit with it, could.
-    pub fn is_used_beside(&self, image: vk::Image) -> bool {
+    pub fn is_used_on_other_queues(&self, image: vk::Image) -> bool {
         let queue = [self.queue.0, self.queue.1];
         // SAFETY: the device is live, as above; the numbers are read during the call.
-        unsafe { (self.table.is_used_beside)(self.record.device, image, &queue) == 1 }
+        unsafe { (self.table.is_used_on_other_queues)(self.record.device, image, &queue) == 1 }
     }
 
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.
@@ -267,17 +267,17 @@ pub struct FrameReport {
     pub frame: u64,
     /// Number of passes that had the plan's rates.
     pub passes_with_rates: u32,
-    /// Number that distinguishes the set of passes recognised as an eye's image, whether rates are on or not, from other sets; 0: none.
+    /// Number that distinguishes the set of passes recognised as an eye buffer, whether rates are on or not, from other sets; 0: none.
     pub eye_passes: u32,
-    /// Whether passes read images of eyes of earlier frames.
+    /// Whether passes read eye buffers of earlier frames.
     pub feedback: Feedback,
     /// Number of decisions so far.
     pub decisions: u32,
     /// Frames from the next one on whose passes the Vulkan half does not follow.
-    pub unfollowed: u32,
+    pub untracked_frames: u32,
     /// GPU times of earlier frames that became known.
     pub times: SmallVec<[FrameTimeRecord; MOST_FRAME_TIMES]>,
-    /// Stale tiles of the left and of the right eye's image.
+    /// Stale tiles of the left and of the right eye buffer.
     pub stale: [StaleTiles; 2],
     /// Memory that stale tiles are written to.
     words: [Vec<u32>; 2],

@@ -186,8 +186,8 @@ impl DepthSwapchain {
         self.source.copy(index).unwrap()
     }
 
-    fn depth(&self, turn: u64, rect: DepthRect) -> PictureDepth<'_> {
-        PictureDepth { kept: self.source.kept(), turn, array_layer: 0, rect }
+    fn depth(&self, copy: u64, rect: DepthRect) -> PictureDepth<'_> {
+        PictureDepth { kept: self.source.kept(), copy, array_layer: 0, rect }
     }
 }
 
@@ -214,8 +214,8 @@ fn reuse_region<'a>(frames: &'a [Frame], lists: &'a TileLists, depth: &'a DepthS
         border: BORDER,
         depth: Some(depth.depth(u64::from(IMAGES), rect)),
         earlier_depth: std::array::from_fn(|index| {
-            let turn = u64::from(IMAGES).checked_sub(index as u64 + 1).filter(|turn| *turn > 0)?;
-            Some(depth.depth(turn, rect))
+            let copy = u64::from(IMAGES).checked_sub(index as u64 + 1).filter(|copy| *copy > 0)?;
+            Some(depth.depth(copy, rect))
         }),
     }
 }
@@ -348,8 +348,8 @@ fn depth_that_is_not_there_is_refused() {
     let beyond = DepthRect { offset: [13, 0], ..newest.rect };
     for (what, depth) in [
         ("none", None),
-        ("none yet", Some(PictureDepth { turn: 0, ..newest })),
-        ("none so far", Some(PictureDepth { turn: newest.turn + 1, ..newest })),
+        ("none yet", Some(PictureDepth { copy: 0, ..newest })),
+        ("none so far", Some(PictureDepth { copy: newest.copy + 1, ..newest })),
         ("another layer", Some(PictureDepth { array_layer: 1, ..newest })),
         ("beyond the image", Some(PictureDepth { rect: beyond, ..newest })),
         ("nothing", Some(PictureDepth { rect: DepthRect { extent: [0, 5], ..beyond }, ..newest })),
@@ -383,13 +383,13 @@ pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32) {
     for number in 0..count {
         let index = number % IMAGES;
         swapchain.render(vulkan, index, std::slice::from_ref(&frames[0].pixels));
-        let turn = depth.render(vulkan, number % 2, &frames[0].depth);
-        let now = depth.depth(turn, frames[0].rect);
+        let copy = depth.render(vulkan, number % 2, &frames[0].depth);
+        let now = depth.depth(copy, frames[0].rect);
         let mut region = [reuse_region(&frames, &lists, &depth)];
         region[0].earlier = earlier_than(index);
         region[0].depth = Some(now);
         region[0].earlier_depth =
-            std::array::from_fn(|age| Some(PictureDepth { turn: turn - 1 - (age % 3) as u64, ..now }));
+            std::array::from_fn(|age| Some(PictureDepth { copy: copy - 1 - (age % 3) as u64, ..now }));
         let change = change_region(&frames, &tiles, Some(now));
         let changes = [ChangeRegion { earlier: earlier_than(index), ..change }];
         let job = ComposeJob { reuse: &region, changes: &changes, ..swapchain.job(index, &[]) };

@@ -171,7 +171,7 @@ fn earlier_pictures_match_the_reference() {
 
 /// Whole pictures that were stale in every tile for all frames but the last: the result is that one.
 #[test]
-fn what_stands_still_is_the_very_picture() {
+fn a_still_view_gives_an_identical_picture() {
     let vulkan = Vulkan::new();
     let extent = [64, 48];
     let swapchain = Swapchain::with_images(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 64, 48, 1), IMAGES);

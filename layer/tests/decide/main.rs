@@ -169,7 +169,9 @@ impl Both {
         let mut reference = Reference::new(shape, contrast, &settings);
         let mut counts = Counts::default();
         for frame in 0..frames {
-            let params = planner.plan(&input(shape, contrast, frame)).eyes[0].decision.looking(30, frame);
+            let params = planner.plan(&input(shape, contrast, frame)).eyes[0]
+                .decision
+                .with_full_rate_period(30, frame);
             let params = params.measured_in(&measured, turn(frame));
             assert_eq!(params.tiles, grid);
             self.vulkan.run(|commands| {

@@ -17,9 +17,9 @@ fn fragments_of_skipped_blocks_return_early() {
                 extent: vk::Extent2D { width: 90, height: 71 },
             };
             let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
-            let of_depth = Eligible { depths, format: DepthFormat::Float32, ..Way::RETURN };
-            check(&vulkan, *version, Way::RETURN, whole());
-            check(&vulkan, *version, Way::RETURN, area);
+            let of_depth = Eligible { depths, format: DepthFormat::Float32, ..MaskMethod::RETURN };
+            check(&vulkan, *version, MaskMethod::RETURN, whole());
+            check(&vulkan, *version, MaskMethod::RETURN, area);
             check(&vulkan, *version, of_depth, area);
             check(&vulkan, *version, Eligible { format: DepthFormat::Unorm16, ..of_depth }, whole());
         }

@@ -20,8 +20,8 @@ mod vulkan;
 use application::{Application, COLOR, LAYERS_DRAWN, Setup};
 use ash::vk;
 use parafovea::backend::mask::{
-    ColorFacts, DepthFacts, DepthTemplate, DepthWork, Eligible, MaskFacts, MaskKernels, MaskMap,
-    PipelineFacts, Way, depth_format,
+    ColorFacts, DepthFacts, DepthTemplate, DepthWork, Eligible, MaskFacts, MaskKernels, MaskMap, MaskMethod,
+    PipelineFacts, depth_format,
 };
 use parafovea::gpu::{AppCommands, Gpu};
 use parafovea::pass_detection::{Eyes, Orientation, Part, PassFacts};

@@ -5,7 +5,7 @@ mod picture;
 use super::{EXTENT, parts, picture::assert_matches};
 use crate::vulkan::Vulkan;
 use ash::vk;
-use parafovea::backend::mask::{Eligible, MaskKernels, MaskMap, Way, depth_format};
+use parafovea::backend::mask::{Eligible, MaskKernels, MaskMap, MaskMethod, depth_format};
 use parafovea::gpu::{AppCommands, Gpu};
 use parafovea::kernels::samples::SampleKernel;
 use parafovea::pass_detection::{ImageKey, Part, Target};
@@ -78,7 +78,7 @@ fn samples_of_colour_are_filled_as_in_the_reference() {
     let mask = mask();
     picture.draw();
     let resolved: Vec<_> = (0..LAYERS).map(|layer| picture.resolved(layer)).collect();
-    for (layer, [before, after]) in (0..).zip(filled(&picture, Way::RETURN, &mask)) {
+    for (layer, [before, after]) in (0..).zip(filled(&picture, MaskMethod::RETURN, &mask)) {
         let mask = &mask.0;
         let mut predicted = resolved[layer as usize].clone();
         predict(&mut predicted, FillFormat::Unorm8, mask, layer);
@@ -108,8 +108,8 @@ fn samples_of_depth_are_filled_as_in_the_reference() {
     for format in formats.into_iter().filter(|format| vulkan.draws_depth(*format)) {
         let picture = Picture::new(&vulkan, format, false);
         let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
-        let eligible = Eligible { format: depth_format(format).unwrap(), depths, ..Way::RETURN };
-        for eligible in [Way::RETURN, eligible] {
+        let eligible = Eligible { format: depth_format(format).unwrap(), depths, ..MaskMethod::RETURN };
+        for eligible in [MaskMethod::RETURN, eligible] {
             let params = SampleParams::new(EXTENT, eligible.format, eligible.depths).unwrap();
             let mut words = vec![0u32; (params.layer_words * LAYERS) as usize];
             for (layer, words) in (0..).zip(words.chunks_exact_mut(params.layer_words as usize)) {

@@ -9,7 +9,7 @@ use glam::{Quat, Vec3};
 use parafovea::config::{Config, Preset, RatesMode};
 use parafovea::inputs::gaze::Look;
 use parafovea::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord};
-use parafovea::planner::{Capabilities, Planning, ShownView, View};
+use parafovea::planner::{Capabilities, SessionPlanner, ShownView, View};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::VULKAN_RATES;
@@ -32,7 +32,7 @@ fn capabilities() -> Capabilities {
 
 /// One frame as the OpenXR half goes through it, with a gaze and a resolution that change all the time. Whether rates were
 /// handed over.
-fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
+fn frame(planner: &mut SessionPlanner, config: &Config, number: i64) -> bool {
     let time_ns = number * FRAME_NS;
     let wobble = (number as f32 * 0.02).sin();
     let head = Quat::from_rotation_y(wobble);
@@ -42,31 +42,31 @@ fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
         position: head * Vec3::X * (-0.64 * cant),
         fov,
     });
-    planning.frame_begins(time_ns, 1);
-    planning.views.located(&views);
+    planner.frame_begins(time_ns, 1);
+    planner.views.located(&views);
     let direction = Quat::from_rotation_y(0.3 * wobble) * Vec3::NEG_Z;
-    planning.look(config, Look::At { direction, sampled_ns: time_ns - 50_000_000 }, head, time_ns);
-    let is_planned = planning.plan(config, true, head, time_ns);
-    let is_new = is_planned && planning.new_rates(config, || number as u64).is_some();
+    planner.look(config, Look::At { direction, sampled_ns: time_ns - 50_000_000 }, head, time_ns);
+    let is_planned = planner.plan(config, true, head, time_ns);
+    let is_new = is_planned && planner.new_rates(config, || number as u64).is_some();
     let side = 800 + (100.0 * wobble) as u32;
-    planning.views.shown(&views.map(|view| ShownView { view, extent: [side, side] }));
+    planner.views.shown(&views.map(|view| ShownView { view, extent: [side, side] }));
     is_new
 }
 
 /// With the sound of `heard`, frame by frame.
 fn assert_does_not_allocate(config: &Config, heard: impl Fn(i64) -> Option<AudioFeatures>) {
-    let mut planning = Planning::new(capabilities());
-    let next = |planning: &mut Planning, number| {
-        planning.listen(heard(number));
-        frame(planning, config, number)
+    let mut planner = SessionPlanner::new(capabilities());
+    let next = |planner: &mut SessionPlanner, number| {
+        planner.listen(heard(number));
+        frame(planner, config, number)
     };
     for number in 0..4 {
-        next(&mut planning, number);
+        next(&mut planner, number);
     }
     let mut handed_over = 0;
     let allocations = allocations::count(|| {
         for number in 4..200 {
-            handed_over += usize::from(next(&mut planning, number));
+            handed_over += usize::from(next(&mut planner, number));
         }
     });
     assert_eq!(allocations, 0);

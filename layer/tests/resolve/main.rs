@@ -226,7 +226,7 @@ fn masks_match_the_reference() {
 }
 
 #[test]
-fn what_the_kernel_cannot_serve_is_refused() {
+fn unsupported_tables_are_refused() {
     let bed = Bed::new();
     let gpu = &bed.vulkan.gpu;
     let (kernels, pass) = (Arc::new(MaskKernels::new(gpu).unwrap()), MaskPass::new(gpu).unwrap());

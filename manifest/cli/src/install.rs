@@ -8,7 +8,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Why nothing, or not everything, was done.
+/// Reason why nothing, or not everything, was done.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
     #[error(transparent)]

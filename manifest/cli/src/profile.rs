@@ -59,7 +59,7 @@ pub enum Command {
     Validate,
 }
 
-/// Why nothing was done.
+/// Reason why nothing was done.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
     #[error("neither XDG_CONFIG_HOME nor HOME names an absolute path, so there is no folder for profiles")]

@@ -24,11 +24,11 @@ pub struct Manifest {
     pub content: Result<Vec<Layer>, Unusable>,
 }
 
-/// Why a loader skips a manifest.
+/// Reason why a loader skips a manifest.
 pub enum Unusable {
     /// It cannot be read.
     Unreadable(String),
-    /// It is no valid manifest.
+    /// It is not a valid manifest.
     Malformed(String),
 }
 

@@ -77,7 +77,7 @@ pub struct Device {
 pub struct CreatedDevice {
     /// Its name.
     pub name: String,
-    /// Why it could not be created; `None` where it was.
+    /// Reason why it could not be created; `None` where it was.
     pub failure: Option<String>,
     /// Whether the layer is on it, and ready to work.
     pub has_layer: bool,
@@ -96,6 +96,6 @@ pub struct RuntimeAnswer {
     pub system: Option<String>,
     /// Whether the headset tracks eyes, where it is known (`XrSystemEyeGazeInteractionPropertiesEXT`).
     pub tracks_eyes: Option<bool>,
-    /// Why it goes no further, such as the result of a call; empty where all was answered.
+    /// Reason why it goes no further, such as the result of a call; empty where all was answered.
     pub failure: String,
 }

@@ -1,9 +1,9 @@
-//! Why an installation fails.
+//! Reasons why an installation fails.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why an installation fails. `Display` is one line that names the file.
+/// Reason why an installation fails. `Display` is one line that names the file.
 #[derive(Debug, thiserror::Error)]
 pub enum InstallError {
     /// A file cannot be read, written or removed.

@@ -76,7 +76,7 @@ const SYNTAX: &str = "rules like \"exclude 2048x2048; left R16G16B16A16_SFLOAT 1
     either, double-wide or array; then any of a colour format (VkFormat without VK_FORMAT_), a size, # and the number of \
     the pass in the frame, upright or flipped";
 
-/// Why a text is no rules.
+/// Reason why a text is not a list of rules.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PassRulesError {
     /// A rule that does not begin with a kind of passes.
@@ -109,7 +109,7 @@ impl PassRules {
 impl FromStr for PassRules {
     type Err = PassRulesError;
 
-    /// Rules apart by semicolons; an empty text is no rules.
+    /// Rules apart by semicolons; an empty text stands for no rules.
     fn from_str(text: &str) -> Result<Self, PassRulesError> {
         let mut rules = Self::default();
         let mut places = rules.rules.iter_mut();

@@ -82,7 +82,7 @@ pub struct CorrectionStatus {
     pub is_measuring: bool,
     /// The number of the dot that is shown in it, from 1.
     pub dot: u32,
-    /// Why it gave no correction; empty: it gave one, or is under way.
+    /// Reason why it gave no correction; empty: it gave one, or is under way.
     pub failure: String,
 }
 

@@ -53,7 +53,7 @@ impl Gaze {
         ))
     }
 
-    /// Why there are no packets; empty if there are, or if the application asks for none.
+    /// Reason why there are no packets; empty if there are, or if the application asks for none.
     fn packets(&self) -> String {
         match (self.osc.failure.as_str(), self.osc.address.as_str()) {
             ("", address) if !address.is_empty() && self.osc.packets == 0 => {

@@ -8,7 +8,7 @@ use std::fs;
 use std::process::Command;
 
 /// Unpacks the drivers of this Debian release, or of its backports where those are the first with the shims, to
-/// `target/drivers/release`. Elsewhere it prints the reason, which is no error: tasks go on without.
+/// `target/drivers/release`. Elsewhere it prints the reason, which is not an error: tasks go on without.
 pub fn unpack_release() {
     let text = fs::read_to_string("/etc/os-release").unwrap_or_default();
     let Some(suite) = suite_with_shims(&text) else {
@@ -25,7 +25,7 @@ pub fn unpack_release() {
 }
 
 /// Unpacks sid's drivers to `target/drivers/sid`, with its loaders, validation and C library: the newest Mesa, and drivers that releases
-/// leave out. A failure is printed, and is no error.
+/// leave out. A failure is printed, and is not an error.
 fn unpack_sid() {
     let packages = &[
         "libopenxr-loader1",

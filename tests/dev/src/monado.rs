@@ -126,8 +126,8 @@ fn passes(steps: &mut Steps, root: &Path) -> Result<(), String> {
         .map_err(|error| format!("layer/tests: {error}"))?;
     for test in tests {
         let name = test.map_err(|error| format!("layer/tests: {error}"))?.file_name();
-        // The test of the rooms reads the sources, which that system does not have.
-        if name != "rooms" {
+        // The test of import cycles reads the sources, which that system does not have.
+        if name != "module_cycles" {
             command.arg("--test").arg(name);
         }
     }

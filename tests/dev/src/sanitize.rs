@@ -17,7 +17,7 @@ const MIRI: [&[&str]; 3] = [
 /// Files and clocks are the host's, and floating point is as the processor has it: Miri would else be off by a few units in the last place.
 const MIRI_FLAGS: &str = "-Zmiri-disable-isolation -Zmiri-deterministic-floats";
 
-/// Runs all installed tools; a missing tool is named, and is no failure.
+/// Runs all installed tools; a missing tool is named, and is not a failure.
 pub fn sanitize(arguments: &[String]) -> Result<(), String> {
     let all = ["address", "miri", "thread"];
     let wanted = match arguments {

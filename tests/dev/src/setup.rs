@@ -17,7 +17,7 @@ pub enum Voice {
     Implied,
 }
 
-/// Installs or names missing requirements. A missing requirement is no error: the tasks go on without it.
+/// Installs or names missing requirements. A missing requirement is not an error: the tasks go on without it.
 pub fn setup(voice: Voice) -> Result<(), String> {
     if voice == Voice::Asked {
         unpack_release();

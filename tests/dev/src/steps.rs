@@ -30,7 +30,7 @@ impl Steps {
         if status.success() { Ok(()) } else { Err(format!("{name} ({status})")) }
     }
 
-    /// Does one step that is no command.
+    /// Does one step that is not a command.
     pub fn time<T>(&mut self, name: &str, step: impl FnOnce() -> T) -> T {
         eprintln!("cargo dev: {name}");
         let start = Instant::now();

@@ -76,7 +76,7 @@ fn checks(steps: &mut Steps, options: &Options) -> Result<Summary, String> {
     unpack_release();
     if options.part.is_none() {
         let doc = ["--no-deps", "--document-private-items"];
-        // Private items are documented too, so links to them are no mistake.
+        // Private items are documented too, so links to them are not a mistake.
         let flags = "-D warnings -A rustdoc::private-intra-doc-links";
         steps.run("cargo doc", in_root(workspace("doc").args(doc)).env("RUSTDOCFLAGS", flags))?;
     }

@@ -83,7 +83,7 @@ fn members(root: Option<u32>, all: Vec<Process>) -> Vec<Process> {
     }
 }
 
-/// Kills processes. One that has ended is no error.
+/// Kills processes. One that has ended is not an error.
 pub fn kill(processes: &[Process]) {
     if processes.is_empty() {
         return;

@@ -37,7 +37,7 @@ const TOKENS: [&str; 16] = [
     "[[",
 ];
 
-/// When to stop.
+/// Condition for the end.
 #[derive(Clone, Copy, Debug)]
 pub enum Until {
     /// After so many inputs.

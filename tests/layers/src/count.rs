@@ -55,7 +55,7 @@ pub const TIMES_FILE_VARIABLE: &str = "PARAFOVEA_TEST_TIMES_FILE";
 pub struct Count {
     /// Fragment shader invocations, as the device counts them; none when something could not be counted.
     pub fragment_invocations: Option<u64>,
-    /// Why there is no number.
+    /// Reason for a missing number.
     pub reason: Option<String>,
     /// Primary command buffers executed.
     pub command_buffers: u64,
@@ -81,7 +81,7 @@ pub struct Counted {
 pub struct SampleCount {
     /// Number of samples; None if something could not be counted.
     pub samples: Option<u64>,
-    /// Why there is no number.
+    /// Reason for a missing number.
     pub reason: Option<String>,
     /// Render passes that were executed and counted.
     pub passes: u64,
@@ -94,7 +94,7 @@ pub struct SampleCount {
 pub struct GpuTimes {
     /// Each execution of each, in the order in which they were read.
     pub buffers: Vec<GpuTime>,
-    /// Why these are not all; none where they are.
+    /// Reason why these are not all; none where they are.
     pub reason: Option<String>,
 }
 

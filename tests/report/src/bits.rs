@@ -37,7 +37,7 @@ struct Encoded {
 /// Encodes images of two runs, without and with the technique, by JPEG, and by H.264 if the system has ffmpeg with libx264.
 ///
 /// Quality is the fidelity of luma through the encoder: each run is compared with its own images. Codes of luma are not light:
-/// less colour of the same luminance has other codes, which is no loss. The errors measure the visible loss.
+/// less colour of the same luminance has other codes, which is not a loss. The errors measure the visible loss.
 ///
 /// # Errors
 /// [`HarnessError::File`] where a picture was not saved, [`HarnessError::Application`] where an encoder fails.
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    /// Luma codes that differ between the runs are no loss of the encoder.
+    /// Luma codes that differ between the runs are not a loss of the encoder.
     #[test]
     fn another_luma_is_no_loss() {
         let brighter = |picture: &Picture| {

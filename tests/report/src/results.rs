@@ -235,7 +235,8 @@ impl PointResults {
         self.errors.as_ref().and_then(|errors| errors.mean_of(&errors.detected, true))
     }
 
-    /// JOD by FovVideoVDP of the frames in which the eyes do not jump: 10 is no difference. None where that was not asked for, and for the application alone.
+    /// JOD by FovVideoVDP of the frames in which the eyes do not jump: 10 means no difference. None where that was not asked for, and for
+    /// the application alone.
     pub fn jod(&self) -> Option<f64> {
         let errors = self.errors.as_ref()?;
         let frames = (0..errors.loss.len()).filter(|frame| !errors.is_in_flight(*frame));

@@ -138,7 +138,7 @@ pub(crate) extern "system" fn get_instance_proc_addr(
         } else {
             match found_with_instance(runtime.instances.get(instance)?, name) {
                 Some(found) => found,
-                // Asking is no mistake: loaders ask for every function they know. Nothing is recorded.
+                // Asking is not a mistake: loaders ask for every function they know. Nothing is recorded.
                 None => return Ok(xr::Result::ERROR_FUNCTION_UNSUPPORTED),
             }
         };

@@ -2,7 +2,7 @@
 
 use openxr_sys as xr;
 
-/// Why a call fails.
+/// Injected failure of a call.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fault {
     /// Result of the call.

@@ -123,7 +123,7 @@ pub struct Frame {
     pub index: u64,
     /// Its session.
     pub session: u64,
-    /// When it is shown, in nanoseconds of the runtime's clock.
+    /// Display time, in nanoseconds of the runtime's clock.
     pub display_time_ns: i64,
     /// CPU time of the whole process at `xrEndFrame`, in nanoseconds.
     pub process_cpu_ns: i64,

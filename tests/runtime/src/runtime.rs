@@ -23,7 +23,7 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 /// Everything that calls read or change.
 pub(crate) struct Runtime {
     pub scenario: Scenario,
-    /// Why the scenario file cannot be used: no instance is made then.
+    /// Reason why the scenario file cannot be used: no instance is made then.
     pub broken: Option<String>,
     pub clock: Clock,
     pub recorder: Recorder,

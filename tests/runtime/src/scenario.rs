@@ -232,7 +232,7 @@ pub enum Answer {
     /// Its usual answer.
     #[default]
     Usual,
-    /// Poses that are no numbers, of `xrLocateViews` and `xrLocateSpace`.
+    /// Poses that are not numbers, of `xrLocateViews` and `xrLocateSpace`.
     Nan,
     /// Fields of view without extent, of `xrLocateViews`.
     ZeroFov,
@@ -352,7 +352,7 @@ impl InputValue {
     }
 }
 
-/// Why a scenario cannot be used.
+/// Reason why a scenario cannot be used.
 #[derive(Debug)]
 pub struct ScenarioError {
     file: PathBuf,

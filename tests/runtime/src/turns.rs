@@ -23,7 +23,7 @@ impl Turns {
         Ok(Self { stream, held_cpu_ns: AtomicI64::new(0) })
     }
 
-    /// CPU time that the process has spent while it waited, nanoseconds: work of its own threads, such as sound capture, which is no part
+    /// CPU time that the process has spent while it waited, nanoseconds: work of its own threads, such as sound capture, which is not a part
     /// of a frame that waits for all the others.
     pub fn held_cpu_ns(&self) -> i64 {
         self.held_cpu_ns.load(Ordering::Relaxed)

@@ -101,7 +101,7 @@ struct App {
     lights_out: Option<u64>,
     /// Frame at which the swapchains are made again, their options, and their format.
     change: Option<(u64, Options, wgpu::TextureFormat)>,
-    /// When to ask for the end.
+    /// Number of the last frame; the end is requested after it.
     last_frame: Option<u64>,
     exit_requested: bool,
 }

@@ -37,7 +37,7 @@ struct Playing {
     samples: Vec<f32>,
     position: usize,
     is_repeated: bool,
-    /// When the first sample went to the server.
+    /// Time at which the first sample went to the server.
     began: Option<SystemTime>,
 }
 

@@ -12,7 +12,7 @@ const LEVELS: [f32; 3] = [-35.0, -22.0, -10.0];
 /// Period of a sound, seconds: T_a is three times that.
 const PERIOD_S: f64 = 1.0;
 
-/// When features are compared, seconds after the first sample went to the server.
+/// Times at which features are compared, seconds after the first sample went to the server.
 const COMPARED: std::ops::Range<f64> = 3.35..3.75;
 
 /// Step of the first search for the sample with which the application began to count, frames: 2 ms.

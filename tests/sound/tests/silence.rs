@@ -1,4 +1,4 @@
-//! When sound stops or is inaudible, plans soon take it for silence.
+//! Sound that stops or is inaudible: plans soon take it for silence.
 
 use parafovea_sound::player::{Player, SHORT_BUFFER_MS};
 use parafovea_sound::signals::{Kind, sound};

@@ -115,7 +115,7 @@ mod tests {
                     .to_owned()
             )
         );
-        // A decision in favour of coarse shading is no reason against it.
+        // A decision in favour of coarse shading is not a reason against it.
         let decisions = vec![
             decision(Topic::Scene, "", "pass 8x8: the scene: left eye: named"),
             decision(Topic::Mask, "", "scene passes of 8x8: masked"),

@@ -38,7 +38,7 @@ pub struct Parts {
     pub texts: Vec<(&'static str, Vec<u8>)>,
     /// The newest version of the C library that any of it needs.
     pub glibc: [u32; 2],
-    /// When the command was built, seconds since 1970: the time of all files.
+    /// Build time of the command, seconds since 1970: the time of all files.
     pub time: u64,
 }
 

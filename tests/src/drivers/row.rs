@@ -13,7 +13,7 @@ pub struct Row {
     pub device: String,
     /// The program's name.
     pub program: String,
-    /// Why the device cannot run the program at all; None where it can.
+    /// Reason why the device cannot run the program at all; None where it can.
     pub refusal: Option<String>,
     /// Stacks without runs of the layer, and why: the program fails there without it, too.
     pub left_out: Vec<String>,

@@ -43,7 +43,7 @@ impl Target {
         }
     }
 
-    /// Why a program cannot run on this device; None where it can.
+    /// Reason why a program cannot run on this device; None where it can.
     pub fn refusal(&self, program: Program) -> Option<&'static str> {
         match self {
             Self::Shim(device) if device.folder() == Folder::Sid && program.starts_programs() => {

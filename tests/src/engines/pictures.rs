@@ -62,7 +62,7 @@ fn mean(report: &Report, values: fn(&Report) -> Vec<f64>) -> f64 {
 /// The frames that were saved to a folder, by their numbers from 0 on.
 ///
 /// # Errors
-/// A frame that is missing, or is no image.
+/// A frame that is missing, or is not an image.
 pub fn clip(folder: &Path, frames: u32) -> Result<Clip, HarnessError> {
     let frames = (0..frames).map(|number| frame(folder, number)).collect::<Result<_, _>>()?;
     Ok(Clip { frames })

@@ -6,7 +6,7 @@
 use glam::{Quat, Vec3};
 use parafovea::config::{Config, GazeSource, Preset};
 use parafovea::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord};
-use parafovea::planner::{Capabilities, Planning, ShownView, View};
+use parafovea::planner::{Capabilities, SessionPlanner, ShownView, View};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use parafovea_models::errors::{Clip, Eye};
 
@@ -60,20 +60,18 @@ fn maps(eyes: [&Eye; 2], preset: Preset) -> Option<[Map; 2]> {
     }
     let views = eyes.map(|eye| View { position: Vec3::ZERO, orientation: Quat::IDENTITY, fov: eye.fov });
     let extents = eyes.map(|eye| eye.picture.extent());
-    let mut planning = Planning::new(Capabilities::from(&offer));
-    planning.views.located(&views);
-    planning
-        .views
-        .shown(&[0, 1].map(|index: usize| ShownView { view: views[index], extent: extents[index] }));
-    planning.frame_begins(0, 1);
-    if !planning.plan(&config, false, Quat::IDENTITY, 0) {
+    let mut planner = SessionPlanner::new(Capabilities::from(&offer));
+    planner.views.located(&views);
+    planner.views.shown(&[0, 1].map(|index: usize| ShownView { view: views[index], extent: extents[index] }));
+    planner.frame_begins(0, 1);
+    if !planner.plan(&config, false, Quat::IDENTITY, 0) {
         return None;
     }
-    let record = planning.new_rates(&config, || 1)?;
+    let record = planner.new_rates(&config, || 1)?;
     let map = |index: usize| {
         let eye = &record.eyes[index];
         let count = (eye.tiles[0] * eye.tiles[1]) as usize;
-        // SAFETY: the record has a rate for each tile until `planning` is used again.
+        // SAFETY: the record has a rate for each tile until `planner` is used again.
         let rates = unsafe { std::slice::from_raw_parts(eye.rates, count) }.to_vec();
         Map { texel: eye.texel, columns: eye.tiles[0], rates }
     };

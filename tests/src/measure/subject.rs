@@ -276,7 +276,7 @@ impl Subject {
         Ok(format!("[audio]\nsource = \"file\"\nfile = {path:?}\nwindow_s = 1.0\n"))
     }
 
-    /// When frame `frame` of a run is shown, seconds of the script.
+    /// Display time of frame `frame` of a run, seconds of the script.
     pub fn time_s(&self, frame: u64) -> f64 {
         (self.first_frame + frame) as f64 / FRAMES_PER_SECOND
     }

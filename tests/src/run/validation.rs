@@ -103,7 +103,7 @@ impl Findings {
 const STARTS: [&str; 2] = ["Khronos Validation Layer Active", "CURRENT-VALIDATION-ENABLED"];
 
 /// `..Validation Error: [ RULE ] Object 0: .. | MessageID = .. | text`, in later versions with the text in the next line;
-/// information is no finding.
+/// information is not a finding.
 fn vulkan_messages(log: &str) -> Vec<Message> {
     let severities = ["Validation Error: [ ", "Validation Warning: [ ", "Validation Performance Warning: [ "];
     let mut lines = log.lines().peekable();

@@ -16,7 +16,7 @@ const CALLS: &str = "trace=write,writev,pwrite64,pwritev,pwritev2,sendto,sendmsg
 const LEFT: f32 = 17.329_41;
 const UP: f32 = -6.813_27;
 
-/// Why no process can be traced here; None if one can be.
+/// Reason why no process can be traced here; None if one can be.
 fn cannot_trace() -> Option<Lack> {
     let tried = Command::new("strace").args(["-f", "-o", "/dev/null", "true"]).stdin(Stdio::null()).output();
     match tried {

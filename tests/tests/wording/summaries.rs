@@ -73,7 +73,7 @@ fn summaries_name_things_by_nouns() {
 }
 
 /// Beginnings of clauses in the place of a noun.
-const CLAUSES: [&str; 11] = [
+const CLAUSES: [&str; 13] = [
     "What",
     "Whatever",
     "Who",
@@ -85,6 +85,8 @@ const CLAUSES: [&str; 11] = [
     "Wherever",
     "Those",
     "How",
+    "Why",
+    "When",
 ];
 
 /// Whether a summary begins with a clause.
@@ -106,7 +108,9 @@ fn no_summary_begins_with_a_clause() {
         }
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
-    for clause in ["Where the eyes look.", "How many frames", "Those that are left."] {
+    for clause in
+        ["Where the eyes look.", "How many frames", "Those that are left.", "Why it fails.", "When it ends."]
+    {
         assert!(begins_with_a_clause(clause), "{clause}");
     }
     for noun in ["Whether the gaze is known.", "Whereabouts", "Number of frames", "`Which` of them"] {

@@ -2,7 +2,7 @@
 
 use openxr_sys as xr;
 
-/// Why a case could not go on.
+/// Reason why a case could not go on.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// An OpenXR call that had to succeed did not.

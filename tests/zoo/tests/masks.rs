@@ -26,7 +26,7 @@ use libtest_mimic::{Arguments, Failed};
 use noted::Noted;
 use parafovea::config::{Config, GazeSource, Preset};
 use parafovea::link::{BACKEND_MASK, CapabilitiesRecord};
-use parafovea::planner::{Capabilities, Planning, ShownView, View};
+use parafovea::planner::{Capabilities, SessionPlanner, ShownView, View};
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::fill::FillFormat;
 use parafovea_core::mask::{Mask, MaskView, TileRates, predict};
@@ -184,14 +184,14 @@ impl Rings {
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
         let view = View { position: Vec3::ZERO, orientation: Quat::IDENTITY, fov };
-        let mut planning = Planning::new(Capabilities::from(&offer));
-        planning.views.located(&[view; 2]);
-        planning.views.shown(&[ShownView { view, extent: [size; 2] }; 2]);
-        planning.frame_begins(0, 1);
-        assert!(planning.plan(&config, false, Quat::IDENTITY, 0));
-        let record = planning.new_rates(&config, || 1).unwrap();
+        let mut planner = SessionPlanner::new(Capabilities::from(&offer));
+        planner.views.located(&[view; 2]);
+        planner.views.shown(&[ShownView { view, extent: [size; 2] }; 2]);
+        planner.frame_begins(0, 1);
+        assert!(planner.plan(&config, false, Quat::IDENTITY, 0));
+        let record = planner.new_rates(&config, || 1).unwrap();
         let eye = record.eyes[0];
-        // SAFETY: the record has a rate for each tile until `planning` is used again.
+        // SAFETY: the record has a rate for each tile until `planner` is used again.
         let rates = unsafe { std::slice::from_raw_parts(eye.rates, (eye.tiles[0] * eye.tiles[1]) as usize) };
         assert!(
             rates.contains(&ShadingRate::R1X1.texel()) && rates.iter().any(|rate| *rate != 0),

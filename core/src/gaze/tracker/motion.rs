@@ -70,7 +70,7 @@ pub(super) struct Motion {
     line: LineFit,
     /// Present in a saccade.
     saccade: Option<SaccadePath>,
-    /// When nothing was known last, or a saccade ended.
+    /// Last time at which nothing was known, or a saccade ended.
     settled_ns: i64,
     /// Whether that was the landing of a saccade.
     has_landed: bool,
@@ -189,12 +189,12 @@ impl Motion {
         }
     }
 
-    /// When nothing was known last, or a saccade ended.
+    /// Last time at which nothing was known, or a saccade ended.
     pub(super) fn settled_ns(&self) -> i64 {
         self.settled_ns
     }
 
-    /// When the eyes land or have landed, by the clock of the samples: of a saccade in flight once a second sample has confirmed
+    /// Time at which the eyes land or have landed, by the clock of the samples: of a saccade in flight once a second sample has confirmed
     /// it, and of the last thing that they did if that was a saccade.
     pub(super) fn landing_ns(&self) -> Option<i64> {
         match &self.saccade {

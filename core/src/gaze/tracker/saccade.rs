@@ -49,7 +49,7 @@ pub(super) struct SaccadePath {
     start: EyeSample,
     samples: [EyeSample; KEPT],
     count: usize,
-    /// When the last sample was taken that did not show it, and the first that did.
+    /// Times of the last sample that did not show it, and of the first that did.
     left_ns: i64,
     shown_ns: i64,
     /// The newest sample.
@@ -65,9 +65,9 @@ pub(super) struct SaccadePath {
 pub(super) struct Landing {
     /// Standard deviation, degrees.
     pub(super) error_deg: f32,
-    /// When, by the main sequence from the last sample before the saccade showed: no later than it is expected.
+    /// Landing time by the main sequence from the last sample before the saccade showed: no later than it is expected.
     pub(super) time_ns: i64,
-    /// When hardly any of the way is left, by the course.
+    /// Time at which hardly any of the way is left, by the course.
     nearly_ns: i64,
     course: Course,
 }
@@ -139,7 +139,7 @@ impl SaccadePath {
         self.newest.time_ns == self.shown_ns
     }
 
-    /// When the sample was taken that showed it.
+    /// Time of the sample that showed it.
     pub(super) fn shown_ns(&self) -> i64 {
         self.shown_ns
     }
@@ -157,7 +157,7 @@ impl SaccadePath {
         self.landing.nearly_ns <= self.newest.time_ns
     }
 
-    /// When it landed, if it has: rather too early, so that changes are not taken to go unnoticed for too long.
+    /// Time at which it landed, if it has: rather too early, so that changes are not taken to go unnoticed for too long.
     pub(super) fn landed_ns(&self) -> i64 {
         self.landing.time_ns.min(self.landing.nearly_ns)
     }

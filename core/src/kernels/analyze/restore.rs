@@ -23,7 +23,7 @@ const FOLLOW: f32 = 0.1;
 /// 16 pixels, at 10 a degree, in seven frames.
 const FORGET: f32 = 0.25;
 
-/// Contrast that is added before two are compared, so that noise on a plain wall is no change.
+/// Contrast that is added before two are compared, so that noise on a plain wall is not a change.
 const FLOOR: f32 = 0.01;
 
 /// Analyses of one image at the same rates after which the restored contrast no longer changes: a contrast that doubled is followed to

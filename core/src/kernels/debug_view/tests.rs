@@ -16,7 +16,7 @@ fn a_rate_has_the_colour_of_its_share_and_full_rate_has_none() {
     for (index, colour) in colours.iter().enumerate() {
         assert!(colour.is_some() && !colours[..index].contains(colour), "{colours:?}");
     }
-    // A skipped tile, and a byte that is no rate.
+    // A skipped tile, and a byte that is not a rate.
     assert_eq!(of_rate(ShadingRate::R4X4.texel() | crate::reuse::STALE), of(ShadingRate::R4X4));
     assert_eq!(of_rate(0x0f), None);
 }

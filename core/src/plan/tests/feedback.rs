@@ -97,7 +97,7 @@ impl Scene {
                 let (time_ns, eyes) = (frame as i64 * FRAME_NS, [eye(&map); 2]);
                 let (audio, gaze) = (Some(heard(frame)), seen(frame));
                 let input = PlanInput { frame, time_ns, eyes, audio, gaze, ..input() };
-                let params = planner.plan(&input).eyes[0].decision.looking(self.looks, frame);
+                let params = planner.plan(&input).eyes[0].decision.with_full_rate_period(self.looks, frame);
                 let visible = VisibleContrast { map: &map, sensitivity: &sensitivity };
                 decide(&params, &mut lattice, &vec![true; tile_count], Some(visible), &mut memory, &mut out);
                 out.rates.clone()

@@ -55,7 +55,7 @@ fn counted(reuse: &Reuse, border: f32) -> Result<[usize; 2], TestCaseError> {
             (0..columns).flat_map(|column| (0..Edge::ALL.len()).map(move |kind| ([column, row], kind)));
         for (tile, kind) in tiles.filter(|(tile, kind)| is_set(&had[*kind], *tile)) {
             let edge = Edge::ALL[kind];
-            // Beside a tile that is cut off there is none, so that its end is no border.
+            // Beside a tile that is cut off there is none, so that its end is not a border.
             if (edge.across > 0 && tile[0] + 1 == columns) || (edge.down > 0 && tile[1] + 1 == rows) {
                 continue;
             }

@@ -14,7 +14,7 @@ use thiserror::Error;
 /// error if it finds none.
 const CARDS: &str = "/proc/asound/cards";
 
-/// Why there is no sound from a loop-back card.
+/// Reason why there is no sound from a loop-back card.
 #[derive(Debug, Error)]
 pub enum LoopbackError {
     /// There is none.

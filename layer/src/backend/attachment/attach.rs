@@ -3,7 +3,7 @@
 use super::capabilities::RateCapabilities;
 use super::commands::SetRates;
 use super::create::Enabled;
-use super::framebuffer::{self, Promise};
+use super::framebuffer::{self, ImagelessRateAttachment};
 use super::image::{RateImage, RateImageKey, USAGE};
 use super::images::RateImages;
 use super::pipeline::PipelineRate;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The rate attachments of a device.
-pub struct Rates {
+pub struct RateAttachments {
     /// Their capabilities.
     pub capabilities: RateCapabilities,
     is_cpu: bool,
@@ -53,14 +53,14 @@ pub struct Rates {
 enum Attached {
     /// The image in it.
     Image(Arc<RateImage>),
-    /// When a render pass begins it gets an image of the same size, for its own target if there is one, or else this one.
+    /// A render pass that begins gets an image of the same size, for its own target if there is one, or else this one.
     Promised(Arc<RateImage>),
 }
 
 /// The first colour target of a pass, with the description of its image; `None` for an unknown image.
 pub type FirstColour = Option<(Target, ImageDescription)>;
 
-impl Rates {
+impl RateAttachments {
     /// Rates of a device on which nothing is attached yet; `None` if it lacks a function that they need.
     ///
     /// # Safety
@@ -233,7 +233,7 @@ impl Rates {
             let [width, height, layers] = unsafe { framebuffer::promised_size(info, colour) };
             let image = self.images.fitting(shared([width, height], layers))?;
             let RateImageKey { texels, layers, .. } = image.key;
-            let promise = Promise { texels, layers, usage: USAGE };
+            let promise = ImagelessRateAttachment { texels, layers, usage: USAGE };
             // SAFETY: as above.
             let amended = unsafe { framebuffer::with_promise(info, &promise, copies) };
             return Some((amended, Attached::Promised(image)));
@@ -346,7 +346,7 @@ impl Rates {
     }
 }
 
-impl Backend for Arc<Rates> {
+impl Backend for Arc<RateAttachments> {
     fn capabilities(&self) -> CapabilitiesRecord {
         let mut rates = [0; 16];
         for (texel, rate) in rates.iter_mut().zip(&self.capabilities.rates) {

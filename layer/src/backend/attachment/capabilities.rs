@@ -43,7 +43,7 @@ pub struct Limits {
     pub samples: vk::SampleCountFlags,
 }
 
-/// Why a device gets no rate attachments.
+/// Reason why a device gets no rate attachments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoRates {
     /// Not one of the device's extensions.

@@ -120,7 +120,7 @@ mod tests {
 
     /// With the rate or the pipeline first, in each of two command buffers.
     #[test]
-    fn where_every_pixel_counts_the_default_stays() {
+    fn per_pixel_shaders_keep_the_default_rate() {
         let rates = by_application();
         let (careful, other) = (
             PipelineRate::Application { every_pixel: true },

@@ -6,7 +6,7 @@ use ash::vk;
 /// The rate images that an imageless framebuffer will be used with. It holds for each of them: Vulkan compares it with the image's
 /// creation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Promise {
+pub struct ImagelessRateAttachment {
     /// Columns and rows of texels.
     pub texels: [u32; 2],
     /// Layers of the view.
@@ -61,7 +61,7 @@ pub unsafe fn with_view<'c>(
 /// As for [`with_view`]; the chain outlives `copies`, and is not used elsewhere meanwhile.
 pub unsafe fn with_promise<'c>(
     info: &vk::FramebufferCreateInfo<'c>,
-    promise: &Promise,
+    promise: &ImagelessRateAttachment,
     copies: &mut Copies<'_>,
 ) -> vk::FramebufferCreateInfo<'c> {
     type Attachments<'a> = vk::FramebufferAttachmentsCreateInfo<'a>;

@@ -1,6 +1,6 @@
 //! The creation of shader modules and graphics pipelines.
 
-use super::attach::Rates;
+use super::attach::RateAttachments;
 use super::pipeline::{PipelineRate, has_alpha_to_coverage, with_rates};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
@@ -8,7 +8,7 @@ use crate::status::{Topic, decided};
 use crate::vk::shaders::Effects;
 use ash::vk;
 
-impl Rates {
+impl RateAttachments {
     /// A pipeline is about to be destroyed.
     pub fn forget_pipeline(&self, pipeline: vk::Pipeline) {
         self.pipelines.remove(pipeline);
@@ -95,7 +95,7 @@ pub(super) fn list_discarding_draws(has_holes: bool) {
 }
 
 /// Whether a creation may have failed because of our additions, so that it is worth repeating without them. Positive
-/// codes are no failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
+/// codes are not failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
 pub(super) fn may_be_ours(result: vk::Result) -> bool {
     result.as_raw() < 0 && result != vk::Result::ERROR_DEVICE_LOST
 }

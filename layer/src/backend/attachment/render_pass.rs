@@ -18,7 +18,7 @@ pub struct AddedRates {
     pub views: u32,
 }
 
-/// Why a render pass is left alone. Each is a property that compatible render passes share, so that pipelines and
+/// Reason why a render pass is left alone. Each is a property that compatible render passes share, so that pipelines and
 /// framebuffers, which are made for one and used with another, go on fitting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LeftAlone {
@@ -37,7 +37,7 @@ pub enum LeftAlone {
 ///
 /// # Errors
 ///
-/// Why it is left alone.
+/// Reason why it is left alone.
 ///
 /// # Safety
 ///

@@ -12,7 +12,7 @@ type Rates<'a> = vk::RenderingFragmentShadingRateAttachmentInfoKHR<'a>;
 ///
 /// # Errors
 ///
-/// Why it is left alone.
+/// Reason why it is left alone.
 ///
 /// # Safety
 ///

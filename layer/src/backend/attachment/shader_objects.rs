@@ -4,7 +4,7 @@
 //! that enables no rates does not do. Binding a pipeline in between unbinds the shaders, so that setting it with each
 //! fragment shader is enough.
 
-use super::attach::Rates;
+use super::attach::RateAttachments;
 use super::commands::SetRate;
 use super::pipelines::{list_discarding_draws, may_be_ours};
 use crate::abi::copies::slice;
@@ -12,7 +12,7 @@ use crate::gpu::GpuError;
 use crate::vk::shaders::{Effects, effects_of_object as effects};
 use ash::vk;
 
-impl Rates {
+impl RateAttachments {
     /// A fragment shader is about to be destroyed.
     pub fn forget_shader_object(&self, shader: vk::ShaderEXT) {
         self.shader_objects.remove(shader);

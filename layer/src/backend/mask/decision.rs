@@ -1,10 +1,10 @@
 //! The decision on the mask of a pass that begins, by evidence of earlier frames.
 
-use super::open_mask::{OpenDepth, OpenMask, OpenWay, Return};
+use super::open_mask::{OpenDepth, OpenEarlyReturn, OpenMask, OpenMethod};
 use super::parts::{aspects, is_separate, part};
 use super::{Attachments, Masks, Pending, TargetMask, follow_graphics};
 use crate::backend::RateMap as _;
-use crate::backend::mask::{Eligible, MaskFacts, MaskMap, Way, way};
+use crate::backend::mask::{Eligible, MaskFacts, MaskMap, MaskMethod, method};
 use crate::gpu::{GpuError, ImagePart};
 use crate::kernels::samples::SampleKind;
 use crate::pass_detection::{Pass, PassFacts, Target, Unmasked};
@@ -20,7 +20,7 @@ use std::sync::atomic::Ordering;
 struct How {
     /// Whether anything is coarse, or only left out.
     coarsens: bool,
-    /// Whether it draws to several layers that are no views.
+    /// Whether it draws to several layers that are not views.
     is_layered: bool,
 }
 
@@ -58,7 +58,7 @@ impl Masks {
     ///
     /// # Errors
     ///
-    /// Why it has none.
+    /// Reason why it has none.
     pub(super) fn open(
         &self,
         (color, target): (Target, Option<&TargetMask>),
@@ -145,17 +145,17 @@ impl Masks {
             return Err(Unmasked::ComputeState);
         }
         let colors = attachments.color_facts(context.objects)?;
-        let (map, way) = match way(&facts(&colors))? {
-            Way::Template(eligible) => self.template(target, attachments, context, eligible)?,
-            // Of several layers that are no views, the shader does not know which it draws to.
-            Way::Return { instead, .. } if how.is_layered => return Err(instead),
-            Way::Return { keeps_coverage, instead } => {
+        let (map, method) = match method(&facts(&colors))? {
+            MaskMethod::Template(eligible) => self.template(target, attachments, context, eligible)?,
+            // Of several layers that are not views, the shader does not know which it draws to.
+            MaskMethod::Return { instead, .. } if how.is_layered => return Err(instead),
+            MaskMethod::Return { keeps_coverage, instead } => {
                 self.early_return(target, context, keeps_coverage, instead)?
             }
         };
         let layers = target.layers();
         // Copying all of a picture there and back costs more than many a pass.
-        let is_unfilled = target.leaves_out() && !how.coarsens;
+        let is_unfilled = target.skips_stale_tiles() && !how.coarsens;
         let failed = |error: GpuError| {
             error.log("no mask for a render pass");
             Unmasked::Failed
@@ -177,7 +177,7 @@ impl Masks {
                 }
             }
         }
-        if let OpenWay::Template(depth) = &way
+        if let OpenMethod::Template(depth) = &method
             && let Some(attachment) = attachments.depth
             && depth.is_multisampled
             && depth.work.fills
@@ -185,7 +185,7 @@ impl Masks {
             let of = (attachment.target, depth.depth);
             pending.push(self.pending((&map, target), of, context, depth.final_layout)?);
         }
-        Ok(OpenMask { map, way, is_unfilled, fills, pending })
+        Ok(OpenMask { map, method, is_unfilled, fills, pending })
     }
 
     /// The fill, after a pass, of an image of several samples.
@@ -231,7 +231,7 @@ impl Masks {
         context: PassContext<'_>,
         keeps_coverage: bool,
         instead: Unmasked,
-    ) -> Result<(Arc<MaskMap>, OpenWay), Unmasked> {
+    ) -> Result<(Arc<MaskMap>, OpenMethod), Unmasked> {
         // Nothing of ours can be bound in a pass of secondary command buffers.
         if context.is_conditional || !context.is_inline {
             return Err(instead);
@@ -261,7 +261,7 @@ impl Masks {
         let map = target.map_to_return(instead)?;
         target.returns_early(keeps_coverage, instead)?;
         let set = self.return_layout().and_then(|layout| map.return_set(&layout)).ok_or(Unmasked::Failed)?;
-        Ok((map, OpenWay::Return(Return { set, keeps_coverage, instead })))
+        Ok((map, OpenMethod::Return(OpenEarlyReturn { set, keeps_coverage, instead })))
     }
 
     /// The map of a pass with a template, and the work on its depth.
@@ -271,7 +271,7 @@ impl Masks {
         attachments: &Attachments,
         context: PassContext<'_>,
         eligible: Eligible,
-    ) -> Result<(Arc<MaskMap>, OpenWay), Unmasked> {
+    ) -> Result<(Arc<MaskMap>, OpenMethod), Unmasked> {
         let depth = attachments.depth.ok_or(Unmasked::NoDepth)?;
         if depth.layouts[1] == vk::ImageLayout::UNDEFINED {
             return Err(Unmasked::Layouts);
@@ -308,6 +308,6 @@ impl Masks {
             final_layout: depth.final_layout,
         };
         self.has_template.store(true, Ordering::Relaxed);
-        Ok((map, OpenWay::Template(open)))
+        Ok((map, OpenMethod::Template(open)))
     }
 }

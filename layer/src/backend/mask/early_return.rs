@@ -36,7 +36,7 @@ pub struct EarlyReturn<'a> {
     pub has_whole_subgroups: bool,
 }
 
-/// Why a shader cannot return early.
+/// Reason why a shader cannot return early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum NoEarlyReturn {
     /// It is no SPIR-V of a kind that is known.
@@ -138,7 +138,7 @@ impl<'a> Patch<'a> {
         self.bound - 1
     }
 
-    /// A type that the module has, or gets: types that are no aggregates must be declared once.
+    /// A type that the module has, or gets: types that are not aggregates must be declared once.
     fn declared(&mut self, parsed: &Parsed<'_>, op: u32, operands: &[u32]) -> u32 {
         let of_module =
             parsed.globals().find(|found| found.op == op && found.operands.get(1..) == Some(operands));
@@ -297,8 +297,8 @@ impl<'a> Patch<'a> {
         Ok(())
     }
 
-    /// The outputs of the entry point to attachments, each with a zero of its type. Built-ins stay: who changes coverage by them does not
-    /// return early where that counts.
+    /// The outputs of the entry point to attachments, each with a zero of its type. Built-ins stay: a shader that changes coverage by them
+    /// does not return early where coverage counts.
     fn outputs(&mut self, parsed: &Parsed<'_>) -> Vec<(u32, u32)> {
         let interface = self.entry.interface.clone();
         let colors = interface.into_iter().filter(|id| {
@@ -334,7 +334,7 @@ impl<'a> Patch<'a> {
         let mut out = parsed.header(self.bound);
         if self.wanted.by_view && !has_capability {
             if self.version < VERSION_1_3 {
-                // It would need an extension, whose place is elsewhere; who draws with views has newer modules.
+                // It would need an extension, whose place is elsewhere; shaders for multiview are newer modules.
                 return Err(NoEarlyReturn::Unknown);
             }
             out.push(op::CAPABILITY, &[CAPABILITY_MULTI_VIEW]);

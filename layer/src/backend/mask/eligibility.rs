@@ -1,6 +1,6 @@
 //! Passes that can have a mask without a visible difference, and the reasons why others cannot.
 
-use crate::backend::mask::way::Returns;
+use crate::backend::mask::method::EarlyReturnSupport;
 use crate::kernels::fill::fill_format;
 use crate::pass_detection::{PassFacts, Unmasked};
 use ash::vk;
@@ -112,7 +112,7 @@ pub struct PipelineFacts {
     /// Their depth tests.
     pub directions: Directions,
     /// Whether their fragment shaders can return early.
-    pub returns: Returns,
+    pub returns: EarlyReturnSupport,
 }
 
 impl PipelineFacts {
@@ -123,7 +123,7 @@ impl PipelineFacts {
         dynamic_stencil: DynamicStencil { test: false, op: false },
         are_unknown: true,
         directions: Directions { less: false, greater: false },
-        returns: Returns { any: false, keeping_coverage: false },
+        returns: EarlyReturnSupport { any: false, keeping_coverage: false },
     };
 
     /// One more is used.

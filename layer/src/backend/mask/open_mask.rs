@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// A pass that is being recorded with a mask.
 pub struct OpenMask {
     pub(super) map: Arc<MaskMap>,
-    pub(super) way: OpenWay,
+    pub(super) method: OpenMethod,
     /// Whether nothing is filled after it, because nothing is coarse.
     pub(super) is_unfilled: bool,
     /// Images that are filled after it, with their formats and layouts then.
@@ -21,19 +21,19 @@ pub struct OpenMask {
 }
 
 /// Method that keeps its skipped fragments from being shaded.
-pub(super) enum OpenWay {
+pub(super) enum OpenMethod {
     Template(OpenDepth),
-    Return(Return),
+    Return(OpenEarlyReturn),
 }
 
 /// The early return of a pass's fragment shaders.
 #[derive(Debug, Clone, Copy)]
-pub struct Return {
+pub struct OpenEarlyReturn {
     /// The set that they read.
     pub set: vk::DescriptorSet,
     /// Whether only those do that cover the same samples, with the same depth.
     pub keeps_coverage: bool,
-    /// Why there is no template.
+    /// Reason for a missing template.
     pub(super) instead: Unmasked,
 }
 
@@ -53,16 +53,16 @@ pub(super) struct OpenDepth {
 }
 
 impl OpenMask {
-    /// Why it has no template, if it has none.
+    /// Reason why it has no template, if it has none.
     pub(super) fn instead(&self) -> Option<Unmasked> {
         self.returns().map(|by| by.instead)
     }
 
     /// The mask of a template.
     pub fn template(&self) -> Option<&Arc<MaskMap>> {
-        match self.way {
-            OpenWay::Template(_) => Some(&self.map),
-            OpenWay::Return(_) => None,
+        match self.method {
+            OpenMethod::Template(_) => Some(&self.map),
+            OpenMethod::Return(_) => None,
         }
     }
 
@@ -72,24 +72,24 @@ impl OpenMask {
     }
 
     /// The early return of its fragment shaders; `None` if it has a template.
-    pub fn returns(&self) -> Option<Return> {
-        match self.way {
-            OpenWay::Return(by) => Some(by),
-            OpenWay::Template(_) => None,
+    pub fn returns(&self) -> Option<OpenEarlyReturn> {
+        match self.method {
+            OpenMethod::Return(by) => Some(by),
+            OpenMethod::Template(_) => None,
         }
     }
 
     /// Records the commands ahead of the pass.
     pub(super) fn record_ahead(&self, commands: &AppCommands) {
-        match &self.way {
-            OpenWay::Template(depth) if depth.is_covered => {}
-            OpenWay::Template(depth) if depth.work.covers => {
+        match &self.method {
+            OpenMethod::Template(depth) if depth.is_covered => {}
+            OpenMethod::Template(depth) if depth.work.covers => {
                 self.map.cover(commands, depth.depth, depth.area, depth.layouts[0]);
             }
-            OpenWay::Template(depth) => {
+            OpenMethod::Template(depth) => {
                 self.map.begin(commands, depth.depth, depth.area, depth.layouts);
             }
-            OpenWay::Return(_) => {}
+            OpenMethod::Return(_) => {}
         }
     }
 
@@ -98,7 +98,7 @@ impl OpenMask {
         for &(part, format, layout) in &self.fills {
             self.map.end(commands, part, format, layout);
         }
-        if let OpenWay::Template(depth) = &self.way
+        if let OpenMethod::Template(depth) = &self.method
             && depth.work.fills
             && !depth.is_multisampled
         {

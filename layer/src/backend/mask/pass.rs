@@ -1,6 +1,6 @@
 //! The commands of a pass with a mask, from its begin to its end.
 
-use super::open_mask::OpenWay;
+use super::open_mask::OpenMethod;
 use super::{Attachments, Masks, OpenMask, PassContext, TargetMask};
 use crate::backend::mask::{DepthWork, MaskMap};
 use crate::gpu::AppCommands;
@@ -48,9 +48,9 @@ impl Masks {
             .ok_or(Unmasked::New)
             .and_then(|candidate| self.open(candidate, pass, attachments, context))
             .and_then(|open| {
-                let loading = match &open.way {
-                    OpenWay::Template(depth) => Some(loading(depth.work)?),
-                    OpenWay::Return(_) => None,
+                let loading = match &open.method {
+                    OpenMethod::Template(depth) => Some(loading(depth.work)?),
+                    OpenMethod::Return(_) => None,
                 };
                 Ok((open, loading))
             });

@@ -1,7 +1,7 @@
 //! Effects of pipelines that a mask must know.
 
 use super::recipe::{Ingredients, PassOf, Recipe};
-use super::{Masks, Returning};
+use super::{EarlyReturnPipeline, Masks};
 use crate::abi::copies::slice;
 use crate::backend::mask::{DynamicStencil, PipelineFacts};
 use crate::gpu::is_left;
@@ -93,7 +93,7 @@ impl Masks {
         &self,
         info: &vk::GraphicsPipelineCreateInfo<'_>,
         facts: PipelineFacts,
-    ) -> Option<Returning> {
+    ) -> Option<EarlyReturnPipeline> {
         let whole = Parts::PRE_RASTERIZATION_SHADERS
             | Parts::FRAGMENT_SHADER
             | Parts::VERTEX_INPUT_INTERFACE
@@ -131,7 +131,7 @@ impl Masks {
             || multisample.is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE);
         let changes_coverage =
             by_alpha || effects.writes_depth_stencil || effects.uses_sample_mask || recipe.discards();
-        Some(Returning::new(recipe, !changes_coverage))
+        Some(EarlyReturnPipeline::new(recipe, !changes_coverage))
     }
 
     /// A subpass as recipes take it; `None` if it has no colour, or is unknown.

@@ -1,7 +1,7 @@
 //! The mask of one colour target: evidence of its passes, and the map once there is one.
 
 use super::Masks;
-use crate::backend::mask::{Eligible, MaskMap, PipelineFacts, Way};
+use crate::backend::mask::{Eligible, MaskMap, MaskMethod, PipelineFacts};
 use crate::backend::{MapForm, MapSize, RateMap, Upload};
 use crate::gpu::{AppCommands, Compilation, Later};
 use crate::kernels::mask::MaskOutput;
@@ -71,7 +71,7 @@ struct PassEvidence {
     has_depth: bool,
     /// Whether a depth pre-pass was recorded to its end.
     has_prepass: bool,
-    /// Why the last depth pre-pass had no template, if there was one.
+    /// Reason why the last depth pre-pass had no template, if there was one.
     prepass_refusal: Option<Unmasked>,
     /// Fragment shaders that shall return early: of any kind, and such that keep their coverage.
     returns: [Wanted; 2],
@@ -147,7 +147,7 @@ impl TargetMask {
         self.seen().prepass_refusal = outcome.err();
     }
 
-    /// Why the last depth pre-pass had no template; None if it had, or there was none.
+    /// Reason why the last depth pre-pass had no template; None if it had, or there was none.
     pub(super) fn prepass_refusal(&self) -> Option<Unmasked> {
         self.seen().prepass_refusal
     }
@@ -215,7 +215,7 @@ impl TargetMask {
             Some(map) => Ok(Arc::clone(map)),
             // One for passes with depth comes, or none.
             None if has_depth && instead == Unmasked::NoDepth => Err(instead),
-            None => self.map(Way::RETURN),
+            None => self.map(MaskMethod::RETURN),
         }
     }
 
@@ -312,7 +312,7 @@ impl RateMap for TargetMask {
 
     /// Images of a swapchain have no reader before they are composed; images on the way there are read beyond their own pixels (filters,
     /// bloom), and filled; so is depth that is needed.
-    fn leaves_out(&self) -> bool {
+    fn skips_stale_tiles(&self) -> bool {
         let seen = self.seen();
         seen.is_shown && !seen.keeps_depth
     }

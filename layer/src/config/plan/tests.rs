@@ -168,7 +168,7 @@ fn a_configuration_without_any_file_is_balanced() {
 }
 
 #[test]
-fn what_is_off_is_not_planned() {
+fn disabled_techniques_are_not_planned() {
     let mut disabled = Config::of_preset(Preset::Streaming);
     disabled.enabled = false;
     disabled.reuse.mode = ReuseMode::On;
@@ -200,7 +200,7 @@ fn sound_hides_what_is_configured_and_in_the_paper_all_that_it_can() {
 }
 
 #[test]
-fn what_is_not_configured_is_off() {
+fn unset_options_are_off() {
     let modes = |rates, reuse| Techniques { rates, reuse };
     let mut config = Config::default();
     assert_eq!(gate_modes(&config), modes(GateMode::Auto, GateMode::Off));

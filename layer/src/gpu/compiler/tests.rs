@@ -124,7 +124,7 @@ fn a_device_that_ends_waits_for_what_is_being_made_and_makes_no_more() {
 }
 
 #[test]
-fn what_nobody_wants_any_more_is_not_made() {
+fn abandoned_requests_are_not_compiled() {
     let compiler = compiler(&device());
     let (slow, go_on) = slow(&compiler);
     let is_made = Arc::new(AtomicBool::new(false));

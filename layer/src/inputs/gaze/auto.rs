@@ -12,7 +12,7 @@ const PATIENCE_NS: i64 = 5_000_000_000;
 
 /// A source of the gaze.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Holder {
+pub enum ActiveGazeSource {
     /// None: the centre of the view.
     #[default]
     Centre,
@@ -24,7 +24,7 @@ pub enum Holder {
     File,
 }
 
-impl Holder {
+impl ActiveGazeSource {
     /// Its name, as `gaze.source` has it.
     pub const fn name(self) -> &'static str {
         match self {
@@ -40,7 +40,7 @@ impl Holder {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Auto {
     begun_ns: Option<i64>,
-    /// When the runtime's eye tracker saw the eyes last.
+    /// Time at which the runtime's eye tracker saw the eyes last.
     seen_ns: Option<i64>,
     misses_eyes: bool,
 }
@@ -48,7 +48,7 @@ pub struct Auto {
 impl Auto {
     /// The gaze to use of all sources at the same time: the runtime's eye tracker while it sees the eyes or has just seen
     /// them, else packets while they arrive, else nothing.
-    pub fn choose(&mut self, eyes: Look, osc: Look, time_ns: i64) -> (Holder, Look) {
+    pub fn choose(&mut self, eyes: Look, osc: Look, time_ns: i64) -> (ActiveGazeSource, Look) {
         let begun_ns = *self.begun_ns.get_or_insert(time_ns);
         if matches!(eyes, Look::At { .. }) {
             self.seen_ns = Some(time_ns);
@@ -58,11 +58,11 @@ impl Auto {
         let was_seen_lately =
             self.seen_ns.is_some_and(|seen_ns| (0..HOLD_NS).contains(&time_ns.saturating_sub(seen_ns)));
         match (eyes, osc) {
-            (Look::At { .. }, _) => (Holder::Eyes, eyes),
-            (Look::Unseen, _) if was_seen_lately => (Holder::Eyes, eyes),
-            (_, Look::At { .. } | Look::Unseen) => (Holder::Osc, osc),
-            (Look::Unseen, Look::NoTracker) => (Holder::Eyes, eyes),
-            (Look::NoTracker, Look::NoTracker) => (Holder::Centre, Look::NoTracker),
+            (Look::At { .. }, _) => (ActiveGazeSource::Eyes, eyes),
+            (Look::Unseen, _) if was_seen_lately => (ActiveGazeSource::Eyes, eyes),
+            (_, Look::At { .. } | Look::Unseen) => (ActiveGazeSource::Osc, osc),
+            (Look::Unseen, Look::NoTracker) => (ActiveGazeSource::Eyes, eyes),
+            (Look::NoTracker, Look::NoTracker) => (ActiveGazeSource::Centre, Look::NoTracker),
         }
     }
 
@@ -92,7 +92,7 @@ impl SampleTimes {
         let asked_ns = time_ns.saturating_sub(latency_ns).saturating_sub(age_ns);
         let sampled_ns = match self.newest {
             Some((known, sampled_ns, _)) if known == serial => sampled_ns,
-            // Frames are planned sooner or later before they are shown, which is no time between samples.
+            // Frames are planned sooner or later before they are shown, which is not a time between samples.
             Some((_, sampled_ns, before_ns)) if before_ns.saturating_sub(time_ns) < LONGEST_STEP_BACK_NS => {
                 asked_ns.max(sampled_ns.saturating_add(LEAST_APART_NS))
             }
@@ -115,11 +115,14 @@ mod tests {
     #[test]
     fn the_eye_tracker_comes_first_then_packets_then_nothing() {
         let mut auto = Auto::default();
-        assert_eq!(auto.choose(Look::NoTracker, Look::NoTracker, 0), (Holder::Centre, Look::NoTracker));
+        assert_eq!(
+            auto.choose(Look::NoTracker, Look::NoTracker, 0),
+            (ActiveGazeSource::Centre, Look::NoTracker)
+        );
         assert!(auto.misses_eyes());
-        assert_eq!(auto.choose(Look::NoTracker, OTHER, S / 100), (Holder::Osc, OTHER));
-        assert_eq!(auto.choose(Look::NoTracker, Look::Unseen, S / 50), (Holder::Osc, Look::Unseen));
-        assert_eq!(auto.choose(AT, OTHER, S / 10), (Holder::Eyes, AT));
+        assert_eq!(auto.choose(Look::NoTracker, OTHER, S / 100), (ActiveGazeSource::Osc, OTHER));
+        assert_eq!(auto.choose(Look::NoTracker, Look::Unseen, S / 50), (ActiveGazeSource::Osc, Look::Unseen));
+        assert_eq!(auto.choose(AT, OTHER, S / 10), (ActiveGazeSource::Eyes, AT));
         assert!(!auto.misses_eyes());
     }
 
@@ -127,13 +130,13 @@ mod tests {
     fn nothing_changes_hands_in_a_blink_and_a_tracker_without_eyes_gives_way() {
         let mut auto = Auto::default();
         auto.choose(AT, OTHER, 0);
-        assert_eq!(auto.choose(Look::Unseen, OTHER, S - 1), (Holder::Eyes, Look::Unseen));
-        assert_eq!(auto.choose(Look::Unseen, OTHER, S), (Holder::Osc, OTHER));
-        assert_eq!(auto.choose(Look::Unseen, Look::NoTracker, 2 * S), (Holder::Eyes, Look::Unseen));
+        assert_eq!(auto.choose(Look::Unseen, OTHER, S - 1), (ActiveGazeSource::Eyes, Look::Unseen));
+        assert_eq!(auto.choose(Look::Unseen, OTHER, S), (ActiveGazeSource::Osc, OTHER));
+        assert_eq!(auto.choose(Look::Unseen, Look::NoTracker, 2 * S), (ActiveGazeSource::Eyes, Look::Unseen));
         assert!(!auto.misses_eyes());
         auto.choose(Look::Unseen, Look::NoTracker, 5 * S);
         assert!(auto.misses_eyes());
-        assert_eq!(auto.choose(AT, OTHER, 6 * S), (Holder::Eyes, AT));
+        assert_eq!(auto.choose(AT, OTHER, 6 * S), (ActiveGazeSource::Eyes, AT));
         assert!(!auto.misses_eyes());
     }
 

@@ -1,10 +1,10 @@
 //! The stored correction of the eye tracker, its measurements for `parafovea gaze calibrate` and `recentre`, and the drift of the gaze
 //! since then.
 //!
-//! The frame's thread corrects the gaze and hands over samples ([`GazeCorrecting`]); requests and files are the status thread's
+//! The frame's thread corrects the gaze and hands over samples ([`SessionGazeCorrection`]); requests and files are the status thread's
 //! ([`CorrectionRequests`]). Nothing of the gaze is logged.
 
-use super::auto::Holder;
+use super::auto::ActiveGazeSource;
 use super::{Look, degrees, direction};
 use glam::Vec3;
 use parafovea_core::gaze::{
@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The correction of a session's gaze.
 #[derive(Debug, Default)]
-pub struct GazeCorrecting(Mutex<State>);
+pub struct SessionGazeCorrection(Mutex<State>);
 
 #[derive(Debug, Default)]
 struct State {
@@ -26,11 +26,11 @@ struct State {
     measurement: Option<Measurement>,
     drift: GazeDrift,
     /// The source of the gaze whose drift it is.
-    drifting: Holder,
+    drifting: ActiveGazeSource,
 }
 
 impl State {
-    fn corrected(&self, source: Holder, look: Look) -> Look {
+    fn corrected(&self, source: ActiveGazeSource, look: Look) -> Look {
         match (look, self.correction.filter(|correction| correction.source == source)) {
             (Look::At { direction: seen, sampled_ns }, Some(correction)) if seen != Vec3::ZERO => {
                 Look::At { direction: direction(correction.corrected(degrees(seen))), sampled_ns }
@@ -43,7 +43,7 @@ impl State {
 /// The correction of a source's gaze.
 #[derive(Clone, Copy, Debug)]
 struct Correction {
-    source: Holder,
+    source: ActiveGazeSource,
     calibration: Option<GazePolynomial>,
     /// Added to the calibrated gaze, degrees to the left and upwards.
     offset_deg: [f32; 2],
@@ -64,7 +64,7 @@ impl Correction {
 /// A measurement that is under way, of the first source with a gaze.
 #[derive(Debug)]
 struct Measurement {
-    source: Option<Holder>,
+    source: Option<ActiveGazeSource>,
     dots: Shown,
 }
 
@@ -86,7 +86,7 @@ impl Measurement {
 
     /// Takes the gaze of a source, for a frame that is shown at `time_ns`. An offset is measured after the calibration that holds, and a
     /// calibration without any correction.
-    fn push(&mut self, source: Holder, look: Look, correction: Option<&Correction>, time_ns: i64) {
+    fn push(&mut self, source: ActiveGazeSource, look: Look, correction: Option<&Correction>, time_ns: i64) {
         let sample = match look {
             Look::At { direction, sampled_ns } if direction != Vec3::ZERO => {
                 let at = if sampled_ns > 0 { sampled_ns } else { time_ns };
@@ -121,13 +121,13 @@ impl Measurement {
     }
 }
 
-impl GazeCorrecting {
+impl SessionGazeCorrection {
     fn state(&self) -> MutexGuard<'_, State> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The corrected gaze of an eye tracker, for a frame that is shown at `time_ns`. Allocates nothing outside of measurements.
-    pub fn corrected(&self, source: Holder, look: Look, time_ns: i64) -> Look {
+    pub fn corrected(&self, source: ActiveGazeSource, look: Look, time_ns: i64) -> Look {
         let mut guard = self.state();
         let state = &mut *guard;
         if let Some(measurement) = &mut state.measurement {
@@ -138,12 +138,12 @@ impl GazeCorrecting {
     }
 
     /// The same for the application: no measurement takes the sample.
-    pub fn corrected_for_application(&self, source: Holder, look: Look) -> Look {
+    pub fn corrected_for_application(&self, source: ActiveGazeSource, look: Look) -> Look {
         self.state().corrected(source, look)
     }
 
-    /// Takes the phase of the gaze by a corrected `look`, for a frame that is shown at `time_ns`. Looks at dots are no drift.
-    pub fn note_phase(&self, source: Holder, look: Look, phase: GazePhase, time_ns: i64) {
+    /// Takes the phase of the gaze by a corrected `look`, for a frame that is shown at `time_ns`. Looks at dots are not drift.
+    pub fn note_phase(&self, source: ActiveGazeSource, look: Look, phase: GazePhase, time_ns: i64) {
         let mut state = self.state();
         if state.drifting != source {
             (state.drifting, state.drift) = (source, GazeDrift::default());
@@ -193,7 +193,7 @@ impl GazeCorrecting {
 /// Follows requests for a measurement, and the file of the correction.
 #[derive(Debug)]
 pub struct CorrectionRequests {
-    correcting: Arc<GazeCorrecting>,
+    correcting: Arc<SessionGazeCorrection>,
     asked: AskedMeasurement,
     headset: String,
     file: Option<PathBuf>,
@@ -208,7 +208,7 @@ impl CorrectionRequests {
         environment: &Environment,
         pid: u32,
         headset: String,
-        correcting: Arc<GazeCorrecting>,
+        correcting: Arc<SessionGazeCorrection>,
     ) -> Self {
         let file = GazeCorrection::file(environment, &headset);
         let status = CorrectionStatus {
@@ -267,7 +267,7 @@ impl CorrectionRequests {
 
     /// Stores the result of a measurement, or returns why there is none.
     fn store(&mut self, measured: &Measurement) -> Result<(), String> {
-        let source = measured.source.map_or("", Holder::name);
+        let source = measured.source.map_or("", ActiveGazeSource::name);
         let present = self.status.correction.as_ref().filter(|present| present.source == source);
         let correction = match &measured.dots {
             Shown::One(recentring) => {
@@ -317,7 +317,9 @@ fn known(stored: &GazeCorrection) -> Result<Option<Correction>, &'static str> {
         )
     };
     let calibration = stored.calibration.as_ref().map(polynomial).transpose()?;
-    let source = [Holder::Eyes, Holder::Osc].into_iter().find(|source| source.name() == stored.source);
+    let source = [ActiveGazeSource::Eyes, ActiveGazeSource::Osc]
+        .into_iter()
+        .find(|source| source.name() == stored.source);
     Ok(source.map(|source| Correction { source, calibration, offset_deg: stored.offset_deg }))
 }
 

@@ -96,7 +96,7 @@ mod tests {
     use std::os::unix::fs::PermissionsExt;
 
     #[test]
-    fn what_is_recorded_can_be_played_and_is_private() {
+    fn a_recording_can_be_played_and_is_private() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("gaze.csv");
         let mut recording = Recording::create(&path).unwrap();

@@ -22,7 +22,7 @@ struct Line {
     degrees: Option<[f32; 2]>,
 }
 
-/// Why a text is no gaze.
+/// Reason why a text is not a recording of the gaze.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GazeScriptError {
     /// A line that cannot be parsed.
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_gaze_is_refused_with_its_line() {
+    fn invalid_lines_are_refused_with_their_number() {
         let error = |text: &str| text.parse::<GazeScript>().unwrap_err();
         assert_eq!(error("# nothing\n\n"), GazeScriptError::Empty);
         for wrong in ["x", "0,1", "0,1,2,3", "0,a,1", "nan,0,0", "0,inf,0", "0,,"] {
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read_as_the_same() {
+    fn a_written_gaze_is_read_back() {
         let looks =
             [Some(Vec3::NEG_Z), None, Some(Vec3::new(0.3, -0.2, -1.0)), Some(Vec3::new(-0.9, 0.5, -0.7))];
         let lines = looks.iter().zip(0..);

@@ -159,7 +159,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_others_leave_is_there_once(others in prop::collection::vec(prop::array::uniform4(0u32..9), 0..4)) {
+        fn each_remaining_tile_is_copied_once(others in prop::collection::vec(prop::array::uniform4(0u32..9), 0..4)) {
             let (whole, others) = (rect([1, 2, 9, 8]), others.into_iter().map(rect).collect::<Vec<_>>());
             let mut parts = Vec::new();
             each_outside(whole, &others, &mut |part| parts.push(part));

@@ -46,7 +46,7 @@ pub struct KeptDepth {
     aspects: vk::ImageAspectFlags,
     shape: DepthShape,
     /// Number of copies made.
-    turns: AtomicU64,
+    copies: AtomicU64,
     gpu: Arc<Gpu>,
 }
 
@@ -62,7 +62,7 @@ pub struct PictureDepth<'a> {
     /// The copies of which it is one.
     pub kept: &'a KeptDepth,
     /// Number of that copy, counted from 1.
-    pub turn: u64,
+    pub copy: u64,
     /// The array layer.
     pub array_layer: u32,
     /// The rectangle.
@@ -89,15 +89,15 @@ impl DepthSource {
     /// # Errors
     /// [`GpuError::Invalid`] for an index out of range, [`GpuError::Timeout`] when earlier submits hang; a failed call.
     pub fn copy(&self, index: u32) -> Result<u64, GpuError> {
-        let KeptDepth { handles, aspects, shape, turns, gpu, uses, .. } = &*self.kept;
+        let KeptDepth { handles, aspects, shape, copies, gpu, uses, .. } = &*self.kept;
         let from =
             *self.images.get(index as usize).ok_or(GpuError::Invalid("an image index out of range"))?;
-        let turn = turns.load(Ordering::Relaxed) + 1;
-        let to = handles[self.kept.slot(turn)];
+        let copy = copies.load(Ordering::Relaxed) + 1;
+        let to = handles[self.kept.slot(copy)];
         let layers = shape.array_layers;
         // Stored first: during the copy, no reader relies on the depth that it overwrites.
-        turns.store(turn, Ordering::Relaxed);
-        let slot = self.kept.slot(turn) as u64;
+        copies.store(copy, Ordering::Relaxed);
+        let slot = self.kept.slot(copy) as u64;
         let key = RecordingKey::from_slice(&[self.serial, index.into(), slot]);
         let submit = gpu.next_submit()?.submit(Some(&key), |recorder| {
             recorder.barrier_of(&DEPTH_WRITTEN_TO_COPIED, from, *aspects, layers);
@@ -109,7 +109,7 @@ impl DepthSource {
         })?;
         uses.mark(submit);
         self.uses.mark(submit);
-        Ok(turn)
+        Ok(copy)
     }
 
     /// The copies.
@@ -150,15 +150,15 @@ impl KeptDepth {
             handles,
             aspects,
             shape: *shape,
-            turns: AtomicU64::new(0),
+            copies: AtomicU64::new(0),
             gpu: Arc::clone(gpu),
         })
     }
 
     /// Whether a copy is still there.
-    pub fn is_there(&self, turn: u64) -> bool {
-        let turns = self.turns.load(Ordering::Relaxed);
-        (1..=turns).contains(&turn) && turns < turn + self.handles.len() as u64
+    pub fn has_copy(&self, copy: u64) -> bool {
+        let copies = self.copies.load(Ordering::Relaxed);
+        (1..=copies).contains(&copy) && copies < copy + self.handles.len() as u64
     }
 
     /// Properties of the images.
@@ -166,8 +166,8 @@ impl KeptDepth {
         &self.shape
     }
 
-    fn slot(&self, turn: u64) -> usize {
-        (turn % self.handles.len() as u64) as usize
+    fn slot(&self, copy: u64) -> usize {
+        (copy % self.handles.len() as u64) as usize
     }
 }
 
@@ -180,7 +180,7 @@ impl PictureDepth<'_> {
             size[axis] > 0 && offset[axis].checked_add(size[axis]).is_some_and(|end| end <= limit)
         };
         let is_inside = fits(0, extent.width) && fits(1, extent.height) && self.array_layer < array_layers;
-        match is_inside && self.kept.is_there(self.turn) {
+        match is_inside && self.kept.has_copy(self.copy) {
             true => Ok(()),
             false => Err(GpuError::Invalid("missing depth")),
         }
@@ -189,7 +189,7 @@ impl PictureDepth<'_> {
     /// The descriptor set that reads it.
     pub(in crate::kernels) fn texture(&self) -> Option<vk::DescriptorSet> {
         let layers = self.kept.shape.array_layers as usize;
-        self.kept.textures.get(self.kept.slot(self.turn) * layers + self.array_layer as usize)
+        self.kept.textures.get(self.kept.slot(self.copy) * layers + self.array_layer as usize)
     }
 
     /// Notes that a submit of that number reads it.

@@ -1,4 +1,4 @@
-//! Whether a pass looks like one that draws the picture of an eye.
+//! Whether a pass looks like one that draws an eye buffer.
 
 use super::Parts;
 use super::projected::Swapchains;
@@ -96,7 +96,7 @@ fn fit(size: [f32; 2], picture: [f32; 2]) -> Result<(), Unmatched> {
     if scale[0] > MOST || scale[1] > MOST { Err(Unmatched::Large) } else { Ok(()) }
 }
 
-/// Whether a format has red, green and blue that are no integers. Fewer components hold depths, masks, velocities;
+/// Whether a format has red, green and blue that are not integers. Fewer components hold depths, masks, velocities;
 /// integers hold identities.
 pub fn holds_colours(format: vk::Format) -> bool {
     matches!(

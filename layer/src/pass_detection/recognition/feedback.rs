@@ -1,4 +1,4 @@
-//! Temporal feedback: images of eyes that passes of a later frame read, as temporal filters read their history.
+//! Temporal feedback: eye buffers that passes of a later frame read, as temporal filters read their history.
 //!
 //! Re-use completes the displayed image, and never the images before it: a stale tile, left out or at the coarsest rate, stays so in a history, and
 //! returns from there in every later frame.
@@ -74,7 +74,7 @@ impl FeedbackEvidence {
         }
     }
 
-    /// Takes a frame, whose passes have their roles, and whose pictures of eyes are at least of the size `least`, pixels.
+    /// Takes a frame, whose passes have their roles, and whose eye buffers are at least of the size `least`, pixels.
     pub(super) fn learn(
         &mut self,
         frame: u64,
@@ -130,7 +130,7 @@ pub(super) fn is_picture(extent: [u32; 2], least: [f32; 2]) -> bool {
     (0..2).all(|axis| extent[axis] as f32 >= LEAST_SIDE * least[axis])
 }
 
-/// The last time that an image became a picture of an eye, or a stage of it.
+/// The last time that an image became an eye buffer, or a stage of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct EyePicture {
     /// Number of the frame.

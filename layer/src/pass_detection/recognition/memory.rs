@@ -38,14 +38,14 @@ struct Image {
     /// Render areas of the passes that drew it since it was last read or shown.
     areas: Areas,
     is_used: bool,
-    /// Pictures of eyes that are made of it by transfers.
+    /// Eye buffers that are made of it by transfers.
     placed: Placed,
-    /// Its content becomes the picture of an eye.
+    /// Its content becomes an eye buffer.
     precedes: Evidence,
     /// Roles of the passes that drew it, in their order.
     roles: Roles,
     flat_at: Option<u64>,
-    /// When it last became a picture of an eye, or a stage of it; None if it holds something else.
+    /// Last event that made it an eye buffer, or a stage of one; None if it holds something else.
     eye_picture: Option<EyePicture>,
 }
 
@@ -187,7 +187,7 @@ impl Memory {
         if parts.is_empty() { Err(Unmatched::NotShown) } else { Ok(parts) }
     }
 
-    /// The pictures of eyes that transfers make of it.
+    /// The eye buffers that transfers make of it.
     pub(super) fn placements(&self, image: ImageKey) -> &[Placement] {
         match self.images.get(&image) {
             Some(image) if image.placed.evidence.holds() => &image.placed.placements,
@@ -195,7 +195,7 @@ impl Memory {
         }
     }
 
-    /// Whether transfers make a picture of an eye of it, and nothing flat.
+    /// Whether transfers make an eye buffer of it, and nothing flat.
     pub(super) fn is_placed(&self, frame: u64, image: ImageKey) -> bool {
         !self.is_flat(frame, image) && !self.placements(image).is_empty()
     }
@@ -247,12 +247,12 @@ impl Memory {
         roles.map_or(Role::Unknown, |roles| roles.of(frame, has_depth, ordinal))
     }
 
-    /// When an image last became a picture of an eye.
+    /// Last event that made an image an eye buffer.
     pub(super) fn eye_picture(&self, image: ImageKey) -> Option<EyePicture> {
         self.images.get(&image)?.eye_picture
     }
 
-    /// Sets the current content of an image: a picture of an eye, or `None` for anything else.
+    /// Sets the current content of an image: an eye buffer, or `None` for anything else.
     pub(super) fn set_eye_picture(&mut self, image: ImageKey, picture: Option<EyePicture>) {
         if let Some(image) = self.images.get_mut(&image) {
             image.eye_picture = picture;

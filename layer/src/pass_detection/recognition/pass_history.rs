@@ -159,7 +159,7 @@ impl PassHistory {
     ) -> Option<Outcome> {
         let outcomes = |frame: usize| {
             let roles = self.frames.get(frame).map_or(&[][..], Vec::as_slice);
-            // Passes to lasting images are no evidence for a new image: that may belong to a mirror that did not exist before.
+            // Passes to lasting images are not evidence for a new image: that may belong to a mirror that did not exist before.
             let counts = |role: &&PassRecord| role.is_young || role.shape.is_shown;
             roles.iter().filter(|role| is_like(&role.shape)).filter(counts).map(|role| &role.outcome)
         };

@@ -20,7 +20,7 @@ pub(super) type Placements = SmallVec<[Placement; 4]>;
 /// Render areas of passes: x, y, width, height in pixels.
 pub(super) type Areas = SmallVec<[[u32; 4]; 4]>;
 
-/// A transfer that writes a smaller share of the picture than this is no evidence of the picture's source.
+/// A transfer that writes a smaller share of the picture than this is not evidence of the picture's source.
 const LEAST_SHARE: f32 = 0.25;
 
 /// Placements of one image that are kept.

@@ -19,7 +19,7 @@ struct Swapchain {
     key: SwapchainKey,
     /// Frame in which it was last shown, in any way.
     at: u64,
-    /// The pictures of eyes in its images.
+    /// The eye buffers in its images.
     placements: Placements,
     /// Render areas of the passes that drew the image which was shown.
     areas: Areas,
@@ -100,13 +100,13 @@ impl Swapchains {
         self.get(key).and_then(|swapchain| swapchain.flat_at).is_some_and(|at| frame < at + HOLD)
     }
 
-    /// Whether a picture of an eye lies in these layers.
+    /// Whether an eye buffer lies in these layers.
     pub(super) fn shows_eyes(&self, key: SwapchainKey, target: &Target) -> bool {
         let within = |layer: u32| layer.checked_sub(target.base_layer).is_some_and(|at| at < target.layers);
         target.level == 0 && self.placements(key).iter().any(|placement| within(placement.layer))
     }
 
-    /// All pictures of eyes, and whether they fill the render area: if the viewport is smaller, it may be so in the passes before, at an
+    /// All eye buffers, and whether they fill the render area: if the viewport is smaller, it may be so in the passes before, at an
     /// unknown place.
     pub(super) fn pictures(&self) -> impl Iterator<Item = (&Placement, bool)> {
         self.known.iter().flat_map(|swapchain| {

@@ -27,7 +27,7 @@ pub(super) enum Role {
     /// There is no evidence.
     #[default]
     Unknown,
-    /// Its content becomes the picture of an eye, and it shades.
+    /// Its content becomes an eye buffer, and it shades.
     Eye,
     /// It passes the picture on: tone mapping, upscaling, a copy.
     FullScreen,
@@ -68,7 +68,7 @@ struct Node {
     group: usize,
     writes_picture: bool,
     origins: Origins,
-    /// Whether it is as large as an eye's image, and reads its own output of the last frame.
+    /// Whether it is as large as an eye buffer, and reads its own output of the last frame.
     reads_itself: bool,
     role: Role,
 }

@@ -16,7 +16,7 @@ const STEADY: u64 = 4;
 pub(super) struct Roles {
     without_depth: Sequence,
     with_depth: Sequence,
-    /// When a pass last was none of an eye.
+    /// Number of the last frame in which a pass belonged to no eye.
     textured_at: Option<u64>,
 }
 

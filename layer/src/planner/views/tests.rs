@@ -101,7 +101,7 @@ fn a_head_that_moves_makes_what_is_near_drift() {
 }
 
 #[test]
-fn what_is_farther_than_assumed_is_believed_and_nothing_else() {
+fn only_larger_distances_are_believed() {
     let mut views = Views::default();
     for (told, nearest) in [(None, 0.4), (Some(0.05), 0.4), (Some(2.0), 2.0), (Some(f32::NAN), 0.4)] {
         views.set_nearest(told);
@@ -110,7 +110,7 @@ fn what_is_farther_than_assumed_is_believed_and_nothing_else() {
 }
 
 #[test]
-fn what_drifts_is_followed() {
+fn drift_is_followed() {
     let mut views = known();
     let mut located = canted(Quat::IDENTITY);
     for _ in 0..100 {

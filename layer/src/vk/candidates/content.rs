@@ -24,7 +24,7 @@ pub struct Content {
     is_changed: bool,
     /// The plan that the map was last resolved from.
     plan: u64,
-    /// The stale tiles that it left out of each eye's picture.
+    /// The stale tiles that it left out of each eye buffer.
     stale: [StaleTiles; 2],
     /// The queue that it is used on.
     queue: vk::Queue,
@@ -114,8 +114,8 @@ impl Content {
         let has_parts = self.uses.iter().any(|used| !used.parts.is_empty());
         let is_outdated = self.is_changed || (has_parts && self.plan < plan);
         let is_needed = match self.is_shared {
-            // Tiles that the map leaves out would be left out for ever.
-            true => self.leaves_out(),
+            // Stale tiles of the map would stay stale for ever.
+            true => self.has_stale_tiles(),
             false => is_outdated && (has_parts || self.is_coarse),
         };
         if is_needed { Need::Upload } else { Need::None }
@@ -137,12 +137,12 @@ impl Content {
         self.plan = plan;
     }
 
-    /// Whether the map on the GPU leaves anything out, so that no other picture may be drawn with it.
-    pub fn leaves_out(&self) -> bool {
+    /// Whether the map on the GPU has stale tiles, so that no other picture may be drawn with it.
+    pub fn has_stale_tiles(&self) -> bool {
         self.stale.iter().any(|stale| !stale.is_empty())
     }
 
-    /// The tiles that the map on the GPU leaves out of the pictures of the left and of the right eye.
+    /// The stale tiles of the left and of the right eye in the map on the GPU.
     pub fn stale(&self) -> &[StaleTiles; 2] {
         &self.stale
     }

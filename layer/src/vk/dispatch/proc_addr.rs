@@ -119,7 +119,7 @@ fn is_wanted(device: &Device, name: &CStr) -> bool {
     if name != c"vkCmdBindPipeline" {
         return device.armed.as_deref().is_some_and(Armed::follows_passes);
     }
-    device.masks().is_some() || device.rates().is_some_and(|rates| rates.sets_rates_at_bind)
+    device.masks().is_some() || device.rate_attachments().is_some_and(|rates| rates.sets_rates_at_bind)
 }
 
 /// `vk_layerGetPhysicalDeviceProcAddr`: functions of physical devices, and nothing else.

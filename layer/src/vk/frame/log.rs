@@ -29,12 +29,12 @@ pub struct Log {
     is_incomplete: bool,
     /// Passes that got the plan's rates, in the current frame and in the last.
     with_rates: [u32; 2],
-    /// Passes that were recognised as an eye's picture, in the current frame.
+    /// Passes that were recognised as an eye buffer, in the current frame.
     eye_passes: EyePasses,
     /// [`EyePasses::number`] of the last frame.
     last_eye_passes: u32,
-    /// Tiles that maps left out of each eye's picture, in the current frame and in the last.
-    left_out: [[StaleTiles; 2]; 2],
+    /// Stale tiles of each eye buffer that passes did not render, in the current frame and in the last.
+    stale_tiles: [[StaleTiles; 2]; 2],
 }
 
 impl Log {
@@ -59,8 +59,12 @@ impl Log {
     }
 
     /// Frames from the current one on in which [`Self::rests`] holds.
-    pub fn unfollowed(&self) -> u32 {
-        if self.notes.is_wanted() { 0 } else { self.rest.unfollowed(self.frame).saturating_sub(AHEAD) as u32 }
+    pub fn untracked_frames(&self) -> u32 {
+        if self.notes.is_wanted() {
+            0
+        } else {
+            self.rest.untracked_frames(self.frame).saturating_sub(AHEAD) as u32
+        }
     }
 
     /// Skips frames whose passes were not followed.
@@ -88,33 +92,33 @@ impl Log {
         self.with_rates[1]
     }
 
-    /// A pass that is submitted is recognised as an eye's picture.
+    /// A pass that is submitted is recognised as an eye buffer.
     pub fn has_eye_pass(&mut self, objects: &Objects, pass: &Pass) {
         if let Some(first) = pass.colors.first().and_then(|target| objects.describe(target.image)) {
             self.eye_passes.add(pass, &first);
         }
     }
 
-    /// [`EyePasses::number`] of the passes that were recognised as an eye's picture in the last frame.
+    /// [`EyePasses::number`] of the passes that were recognised as an eye buffer in the last frame.
     pub fn eye_passes(&self) -> u32 {
         self.last_eye_passes
     }
 
-    /// Use of earlier frames' images in an eye's image, by the evidence of the last frames.
+    /// Use of earlier frames' images in an eye buffer, by the evidence of the last frames.
     pub fn feedback(&self) -> Feedback {
         self.recognition.feedback()
     }
 
-    /// Passes that are submitted leave that out of the pictures of the eyes.
-    pub fn leave_out(&mut self, stale: &[StaleTiles; 2]) {
-        for (left_out, stale) in self.left_out[0].iter_mut().zip(stale) {
-            left_out.unite(stale);
+    /// Adds the stale tiles that submitted passes do not render.
+    pub fn add_stale(&mut self, stale: &[StaleTiles; 2]) {
+        for (tiles, stale) in self.stale_tiles[0].iter_mut().zip(stale) {
+            tiles.unite(stale);
         }
     }
 
-    /// Tiles that passes left out of an eye's picture in the last frame.
+    /// Stale tiles of an eye buffer in the last frame, which passes did not render.
     pub fn stale(&self, eye: usize) -> Option<&StaleTiles> {
-        self.left_out[1].get(eye)
+        self.stale_tiles[1].get(eye)
     }
 
     /// Takes a submitted event. Returns the verdict on a pass that draws to a candidate; on any pass if tests ask for that. `None` for any event
@@ -171,8 +175,8 @@ impl Log {
         self.frame += 1;
         self.with_rates = [0, self.with_rates[0]];
         self.eye_passes.clear();
-        self.left_out.swap(0, 1);
-        self.left_out[0].iter_mut().for_each(StaleTiles::clear);
+        self.stale_tiles.swap(0, 1);
+        self.stale_tiles[0].iter_mut().for_each(StaleTiles::clear);
     }
 }
 
@@ -257,7 +261,7 @@ mod tests {
         let minute = |log: &mut Log| {
             let count = |_| {
                 let counted = (log.rests(), log.follows());
-                assert_eq!(log.unfollowed() > 0, log.rests());
+                assert_eq!(log.untracked_frames() > 0, log.rests());
                 log.begin_next(&objects);
                 counted
             };

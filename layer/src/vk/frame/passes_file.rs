@@ -54,7 +54,7 @@ impl Notes {
         FILE.is_some()
     }
 
-    /// Keeps the verdict on the next event; `None` for an event that is no pass.
+    /// Keeps the verdict on the next event; `None` for an event that is not a pass.
     pub fn push<C: MapContent>(
         &mut self,
         outcome: Option<&Result<Match, Unmatched>>,

@@ -96,7 +96,7 @@ impl Plan {
     }
 
     /// Whether any tile is stale.
-    pub fn leaves_out(&self) -> bool {
+    pub fn has_stale_tiles(&self) -> bool {
         self.stale().iter().any(|stale| !stale.is_empty())
     }
 

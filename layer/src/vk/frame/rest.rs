@@ -29,7 +29,7 @@ impl Rest {
     }
 
     /// Frames from `frame` on that are not followed.
-    pub fn unfollowed(self, frame: u64) -> u64 {
+    pub fn untracked_frames(self, frame: u64) -> u64 {
         let place = self.in_sample(frame).filter(|place| *place >= SAMPLE);
         place.map_or(0, |place| PERIOD - place)
     }
@@ -73,7 +73,7 @@ mod tests {
         assert_eq!(followed(rest, 1000 + PERIOD..1000 + 11 * PERIOD), (10 * SAMPLE, 10 * (SAMPLE - 1)));
         for frame in 1000..1000 + 3 * PERIOD {
             let until = (frame..).find(|frame| rest.follows(*frame)).unwrap();
-            assert_eq!(rest.unfollowed(frame), until - frame);
+            assert_eq!(rest.untracked_frames(frame), until - frame);
         }
         rest.set(true, 5000);
         assert!(!rest.follows(1000 + PERIOD - 1), "it has rested since frame 1000");

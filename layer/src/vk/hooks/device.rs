@@ -5,7 +5,7 @@ use crate::abi::copies::{Copies, room};
 use crate::abi::guard;
 use crate::backend::attachment;
 use crate::backend::attachment::create::Enabled;
-use crate::backend::attachment::{NoRates, Rates};
+use crate::backend::attachment::{NoRates, RateAttachments};
 use crate::backend::mask::Masks;
 use crate::config::{Arming, device_armed};
 use crate::link::DeviceRecord;
@@ -227,7 +227,8 @@ unsafe fn arm(
     is_cpu: bool,
 ) -> Arc<Armed> {
     // SAFETY: handles and pointers of the record are valid, as `# Safety` demands.
-    let rates = enabled.and_then(|enabled| unsafe { Rates::on(&record, enabled, is_cpu) }).map(Arc::new);
+    let attachments = |enabled| unsafe { RateAttachments::on(&record, enabled, is_cpu) };
+    let rates = enabled.and_then(attachments).map(Arc::new);
     let wants_masks = rates.is_none() && arming != Arming::Pictures;
     // SAFETY: as above.
     let masks = wants_masks.then(|| Arc::new(unsafe { Masks::on(&record, is_cpu) }));

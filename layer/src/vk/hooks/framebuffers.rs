@@ -28,7 +28,7 @@ pub unsafe extern "system" fn create(
             let objects = &armed.objects;
             // SAFETY: the pointer is valid, by valid usage.
             let (created, pass) = unsafe { (Framebuffer::created(objects, &*info), (*info).render_pass) };
-            let result = answer.record(match known.rates() {
+            let result = answer.record(match known.rate_attachments() {
                 Some(rates) => {
                     let pass = objects.render_pass(pass);
                     let color = pass.and_then(|pass| pass.colors.first().copied()).unwrap_or(0);
@@ -66,7 +66,7 @@ pub unsafe extern "system" fn destroy(
             if let Some(armed) = &known.armed {
                 armed.objects.framebuffers.remove(framebuffer);
             }
-            if let Some(rates) = known.rates() {
+            if let Some(rates) = known.rate_attachments() {
                 rates.forget_framebuffer(framebuffer);
             }
             next();

@@ -21,7 +21,7 @@ pub unsafe extern "system" fn create_pipelines(
         device::with,
         create_graphics_pipelines(device, cache, count, infos, allocator, made),
         |known, next, answer| {
-            let result = answer.record(match known.rates() {
+            let result = answer.record(match known.rate_attachments() {
                 Some(rates) => {
                     let functions = (next, known.hooked.destroy_pipeline);
                     // SAFETY: the application's own arguments, and the next layer's functions for them.
@@ -50,7 +50,7 @@ pub unsafe extern "system" fn destroy_pipeline(
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
     hook!("vkDestroyPipeline", device::with, destroy_pipeline(device, pipeline, allocator), |known, next| {
-        if let Some(rates) = known.rates() {
+        if let Some(rates) = known.rate_attachments() {
             rates.forget_pipeline(pipeline);
         }
         if let Some(masks) = known.masks() {

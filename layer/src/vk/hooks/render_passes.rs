@@ -21,7 +21,7 @@ pub unsafe extern "system" fn create(
         device::with,
         create_render_pass(device, info, allocator, pass),
         |known, next, answer| {
-            let result = answer.record(match known.rates() {
+            let result = answer.record(match known.rate_attachments() {
                 Some(rates) => {
                     let next2 = known.hooked.create_render_pass2;
                     // SAFETY: the application's own arguments, and the next layer's functions for them.
@@ -65,7 +65,7 @@ pub unsafe extern "system" fn create2(
         device::with,
         create_render_pass2(device, info, allocator, pass),
         |known, next, answer| {
-            let result = answer.record(match known.rates() {
+            let result = answer.record(match known.rate_attachments() {
                 // SAFETY: the application's own arguments, and the next layer's function for them.
                 Some(rates) => unsafe { rates.create_render_pass2((device, info, allocator, pass), next) },
                 // SAFETY: the next layer's function, with the application's own arguments.
@@ -113,7 +113,7 @@ pub unsafe extern "system" fn destroy(
                     unsafe { next(device, ours, std::ptr::null()) };
                 }
             }
-            if let Some(rates) = known.rates() {
+            if let Some(rates) = known.rate_attachments() {
                 rates.forget_render_pass(pass);
             }
             // SAFETY: the next layer's function, with the application's own arguments.

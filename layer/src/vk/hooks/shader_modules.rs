@@ -24,7 +24,7 @@ pub unsafe extern "system" fn create_shader_module(
         |known, next| {
             let result = next();
             if result == vk::Result::SUCCESS {
-                if let Some(rates) = known.rates() {
+                if let Some(rates) = known.rate_attachments() {
                     // SAFETY: both pointers are valid, by valid usage, and the call has written the module.
                     unsafe { rates.modules.add(*module, &*info) };
                 }
@@ -53,7 +53,7 @@ pub unsafe extern "system" fn destroy_shader_module(
         device::with,
         destroy_shader_module(device, module, allocator),
         |known, next| {
-            if let Some(rates) = known.rates() {
+            if let Some(rates) = known.rate_attachments() {
                 rates.modules.forget(module);
             }
             if let Some(masks) = known.masks() {
@@ -65,7 +65,7 @@ pub unsafe extern "system" fn destroy_shader_module(
 }
 
 fn modules(device: &Device) -> Option<&ShaderModules> {
-    device.rates().map(|rates| &rates.modules).or_else(|| Some(device.masks()?.shader_modules()))
+    device.rate_attachments().map(|rates| &rates.modules).or_else(|| Some(device.masks()?.shader_modules()))
 }
 
 /// Keeps the facts of a module by its identifier.

@@ -21,7 +21,7 @@ pub unsafe extern "system" fn create(
         device::with,
         create_shaders(device, count, infos, allocator, made),
         |known, next, answer| {
-            let result = answer.record(match known.rates() {
+            let result = answer.record(match known.rate_attachments() {
                 Some(rates) => {
                     let functions = (next, known.hooked.destroy_shader);
                     // SAFETY: the application's own arguments, and the next layer's functions for them.
@@ -50,7 +50,7 @@ pub unsafe extern "system" fn destroy(
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
     hook!("vkDestroyShaderEXT", device::with, destroy_shader(device, shader, allocator), |known, next| {
-        if let Some(rates) = known.rates() {
+        if let Some(rates) = known.rate_attachments() {
             rates.forget_shader_object(shader);
         }
         if let Some(masks) = known.masks() {

@@ -17,7 +17,7 @@ pub unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
         report.frame = log.frame();
         report.passes_with_rates = log.with_rates();
         report.eye_passes = log.eye_passes();
-        report.unfollowed = log.unfollowed();
+        report.untracked_frames = log.untracked_frames();
         report.feedback = log.feedback().number();
         for (eye, stale) in report.stale.iter_mut().enumerate() {
             // SAFETY: there is room for the words, as `# Safety` demands.
@@ -35,7 +35,7 @@ pub unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
     }
 }
 
-/// Writes the stale tiles of an eye's image in the frame that ended last.
+/// Writes the stale tiles of an eye buffer in the frame that ended last.
 ///
 /// # Safety
 ///

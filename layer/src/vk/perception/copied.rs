@@ -10,7 +10,7 @@ use std::any::Any;
 use std::sync::Arc;
 
 /// The overlay's reads of the last copy.
-const LOOKED_AT: Scope =
+const OVERLAY_READS: Scope =
     Scope { stages: vk::PipelineStageFlags::FRAGMENT_SHADER, access: vk::AccessFlags::empty() };
 
 /// The decision's writes, and the copies from it and to the overlay.
@@ -50,7 +50,7 @@ impl Perception {
         let copy = |commands: vk::CommandBuffer| {
             // SAFETY: the command buffer is a new one for that queue; the rates are kept, and the buffer is live and large enough, as `# Safety` demands.
             let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
-            commands.memory_barrier(LOOKED_AT, COPIES);
+            commands.memory_barrier(OVERLAY_READS, COPIES);
             commands.memory_barrier(DECIDES, COPIES);
             commands.copy_buffer((rates, 0), (record.buffer, record.offset), size);
             Ok(())

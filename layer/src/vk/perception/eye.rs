@@ -4,7 +4,7 @@ use super::Tools;
 use crate::gpu::GpuError;
 use crate::kernels::analyze::{Levels, ViewTiles};
 use crate::kernels::decide::DecideTarget;
-use crate::link::PictureRecord;
+use crate::link::EyeBufferRecord;
 use ash::vk;
 use glam::{Quat, Vec2};
 use parafovea_core::geometry::{ImagePlane, View};
@@ -46,9 +46,14 @@ pub struct Parameters {
 
 impl Measured {
     /// That of a record, after the last measured picture.
-    pub fn new(record: &PictureRecord, texel: [u32; 2], received: u64, last: Option<&Self>) -> Option<Self> {
+    pub fn new(
+        record: &EyeBufferRecord,
+        texel: [u32; 2],
+        received: u64,
+        last: Option<&Self>,
+    ) -> Option<Self> {
         let view = view_of(record)?;
-        let PictureRecord { white_cd_m2, is_mean, format, .. } = *record;
+        let EyeBufferRecord { white_cd_m2, is_mean, format, .. } = *record;
         let by = Parameters { texel, white_cd_m2, is_mean: is_mean == 1, format };
         let before = last.filter(|last| last.view == view && last.by == by);
         Some(Self {
@@ -60,7 +65,7 @@ impl Measured {
     }
 }
 
-/// The tiles of an eye's picture, on the GPU.
+/// The tiles of an eye buffer, on the GPU.
 pub struct EyeTiles {
     /// 0: left, 1: right.
     pub eye: usize,
@@ -86,7 +91,7 @@ impl EyeTiles {
 }
 
 /// The view of a picture.
-fn view_of(record: &PictureRecord) -> Option<View> {
+fn view_of(record: &EyeBufferRecord) -> Option<View> {
     let [x, y, z, w] = record.orientation;
     let [origin, step] = record.plane.map(Vec2::from);
     let view = View { orientation: Quat::from_xyzw(x, y, z, w), plane: ImagePlane { origin, step } };
@@ -98,8 +103,8 @@ mod tests {
     use super::*;
     use ash::vk::Handle;
 
-    fn record() -> PictureRecord {
-        PictureRecord {
+    fn record() -> EyeBufferRecord {
+        EyeBufferRecord {
             eye: 0,
             queue: [0; 2],
             swapchain: 1,
@@ -117,26 +122,26 @@ mod tests {
     #[test]
     fn views_are_the_same_until_anything_differs() {
         let mut last: Option<Measured> = None;
-        let mut next = |record: &PictureRecord, texel: u32| {
+        let mut next = |record: &EyeBufferRecord, texel: u32| {
             last = Measured::new(record, [texel; 2], 7, last.as_ref());
             last.map(|measured| measured.same_view)
         };
         assert_eq!([(); 3].map(|()| next(&record(), 16)), [Some(0), Some(1), Some(2)]);
         // Another image of the swapchain shows the same.
-        assert_eq!(next(&PictureRecord { image: vk::Image::from_raw(5), ..record() }, 16), Some(3));
+        assert_eq!(next(&EyeBufferRecord { image: vk::Image::from_raw(5), ..record() }, 16), Some(3));
         let others = [
-            PictureRecord { orientation: [0.0, 1e-3, 0.0, 1.0], ..record() },
-            PictureRecord { plane: [[-1.0, 1.0], [0.03, -0.031]], ..record() },
-            PictureRecord { white_cd_m2: 99.0, ..record() },
-            PictureRecord { is_mean: 1, ..record() },
-            PictureRecord { format: vk::Format::R8G8B8A8_UNORM, ..record() },
+            EyeBufferRecord { orientation: [0.0, 1e-3, 0.0, 1.0], ..record() },
+            EyeBufferRecord { plane: [[-1.0, 1.0], [0.03, -0.031]], ..record() },
+            EyeBufferRecord { white_cd_m2: 99.0, ..record() },
+            EyeBufferRecord { is_mean: 1, ..record() },
+            EyeBufferRecord { format: vk::Format::R8G8B8A8_UNORM, ..record() },
         ];
         for other in others {
             assert_eq!(next(&other, 16), Some(0), "{other:?}");
             assert_eq!(next(&record(), 16), Some(0));
         }
         assert_eq!(next(&record(), 32), Some(0));
-        assert_eq!(next(&PictureRecord { orientation: [f32::NAN; 4], ..record() }, 32), None);
+        assert_eq!(next(&EyeBufferRecord { orientation: [f32::NAN; 4], ..record() }, 32), None);
         assert_eq!(next(&record(), 32), Some(0));
     }
 }

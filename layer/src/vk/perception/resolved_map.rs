@@ -24,7 +24,7 @@ pub struct ResolvedMap {
     parts: SmallVec<[Part; 4]>,
     image: RateImage,
     shapes: Shapes,
-    leaves_out: bool,
+    skips_stale_tiles: bool,
     eyes: [Arc<EyeTiles>; 2],
     /// `None` if it cannot be resolved.
     targets: Option<Targets>,
@@ -45,8 +45,8 @@ pub struct MapTarget<'a> {
     pub parts: &'a [Part],
     /// The map.
     pub image: &'a RateImage,
-    /// Whether stale tiles are left out.
-    pub leaves_out: bool,
+    /// Whether stale tiles are skipped.
+    pub skips_stale_tiles: bool,
 }
 
 /// The recorded writes.
@@ -62,7 +62,7 @@ impl ResolvedMap {
         self.parts.as_slice() == place.parts
             && self.image == *place.image
             && self.shapes == *shapes
-            && self.leaves_out == place.leaves_out
+            && self.skips_stale_tiles == place.skips_stale_tiles
             && self.eyes.iter().zip(eyes).all(|(known, eye)| Arc::ptr_eq(known, eye))
     }
 
@@ -80,7 +80,7 @@ impl ResolvedMap {
             parts: place.parts.into(),
             image: *place.image,
             shapes,
-            leaves_out: place.leaves_out,
+            skips_stale_tiles: place.skips_stale_tiles,
             eyes,
             targets: targets.ok().flatten(),
         }
@@ -103,7 +103,7 @@ fn targets(
     let table = frame.plan().table(place.parts, place.image);
     let Some(table) = table.filter(|_| eyes.iter().enumerate().all(is_own)) else { return Ok(None) };
     let views = eyes.each_ref().map(|eye| &eye.view);
-    let texels = Arc::new(tools.resolve.target(&table, views, rates.available(), place.leaves_out)?);
+    let texels = Arc::new(tools.resolve.target(&table, views, rates.available(), place.skips_stale_tiles)?);
     let mask = match form {
         MapForm::Texels => None,
         MapForm::Mask(map) => {

@@ -24,7 +24,7 @@ pub unsafe extern "system" fn set_rate(
         |known, next, answer| {
             // SAFETY: the next layer's function, with the application's own arguments or valid ones in their place.
             let set = |size: *const _, combiners: *const _| unsafe { next(buffer, size, combiners) };
-            match known.rates() {
+            match known.rate_attachments() {
                 Some(rates) => {
                     // SAFETY: valid usage demands that both pointers are valid.
                     let asked = unsafe { SetRate { size: *size, combiners: *combiners } };
@@ -122,7 +122,7 @@ pub unsafe extern "system" fn bind_shaders(
             next();
             // SAFETY: valid usage demands `count` stages and shaders, or null for the latter.
             let rate = unsafe {
-                known.rates().and_then(|rates| rates.shaders_bound(buffer, count, stages, shaders))
+                known.rate_attachments().and_then(|rates| rates.shaders_bound(buffer, count, stages, shaders))
             };
             if let Some((rate, set)) = rate.zip(known.hooked.cmd_set_fragment_shading_rate) {
                 // SAFETY: the command buffer is recording, as above, and both are valid.

@@ -30,17 +30,17 @@ struct Call {
     point: vk::PipelineBindPoint,
     layout: vk::PipelineLayout,
     first: u32,
-    what: What,
+    kind: CallKind,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum What {
+enum CallKind {
     /// Pairs of a buffer's number and an offset into it.
     Offsets(SmallVec<[u32; 4]>, SmallVec<[vk::DeviceSize; 4]>),
     Samplers,
 }
 
-impl What {
+impl CallKind {
     fn sets(&self) -> u32 {
         match self {
             Self::Offsets(indices, _) => indices.len() as u32,
@@ -81,7 +81,7 @@ impl BufferOffsets {
     /// Buffers are bound: offsets into earlier buffers end.
     fn bind_buffers(&mut self) {
         self.heaps.clear();
-        self.calls.retain(|call| call.what == What::Samplers);
+        self.calls.retain(|call| call.kind == CallKind::Samplers);
         self.is_mixed &= !self.calls.is_empty();
     }
 
@@ -94,7 +94,7 @@ impl BufferOffsets {
 
     fn set(&mut self, new: Call) {
         self.heaps.clear();
-        let end = |call: &Call| u64::from(call.first) + u64::from(call.what.sets());
+        let end = |call: &Call| u64::from(call.first) + u64::from(call.kind.sets());
         let is_within =
             |call: &Call| call.point == new.point && call.first >= new.first && end(call) <= end(&new);
         self.calls.retain(|call| !is_within(call));
@@ -107,16 +107,16 @@ impl BufferOffsets {
     ///
     /// `commands` is recording, these calls were recorded in it, and its descriptor buffers are still bound.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
-        for Call { point, layout, first, what } in &self.calls {
+        for Call { point, layout, first, kind } in &self.calls {
             // SAFETY: the command buffer is recording, as `# Safety` demands; layouts and offsets of its earlier calls stay valid while it records.
             unsafe {
-                match what {
-                    What::Offsets(indices, offsets) => {
+                match kind {
+                    CallKind::Offsets(indices, offsets) => {
                         let Some(set) = next.cmd_set_descriptor_buffer_offsets else { return };
                         let count = indices.len() as u32;
                         set(commands, *point, *layout, *first, count, indices.as_ptr(), offsets.as_ptr());
                     }
-                    What::Samplers => {
+                    CallKind::Samplers => {
                         let Some(bind) = next.cmd_bind_descriptor_buffer_embedded_samplers else { return };
                         bind(commands, *point, *layout, *first);
                     }
@@ -226,8 +226,8 @@ pub unsafe extern "system" fn set_offsets(
             if let Some(known) = known {
                 // SAFETY: valid usage demands so many indices and offsets.
                 let (indices, offsets) = unsafe { (slice(indices, count), slice(offsets, count)) };
-                let what = What::Offsets(indices.into(), offsets.into());
-                let call = Call { point, layout, first, what };
+                let kind = CallKind::Offsets(indices.into(), offsets.into());
+                let call = Call { point, layout, first, kind };
                 // SAFETY: the command buffer is recording, by valid usage.
                 unsafe { note(&known, handle, &[point], |kept| kept.set(call.clone())) };
             }
@@ -262,8 +262,8 @@ pub unsafe extern "system" fn set_offsets2(
                 kept.has_more |= !info.p_next.is_null();
                 // Without a layout, they cannot be set again.
                 for &point in points.iter().filter(|_| info.layout != vk::PipelineLayout::null()) {
-                    let what = What::Offsets(indices.into(), offsets.into());
-                    kept.set(Call { point, layout: info.layout, first: info.first_set, what });
+                    let kind = CallKind::Offsets(indices.into(), offsets.into());
+                    kept.set(Call { point, layout: info.layout, first: info.first_set, kind });
                 }
             };
             // SAFETY: the command buffer is recording, by valid usage.
@@ -290,7 +290,7 @@ pub unsafe extern "system" fn bind_samplers(
         |known, next| {
             next();
             if let Some(known) = known {
-                let call = Call { point, layout, first: set, what: What::Samplers };
+                let call = Call { point, layout, first: set, kind: CallKind::Samplers };
                 // SAFETY: the command buffer is recording, by valid usage.
                 unsafe { note(&known, handle, &[point], |kept| kept.set(call.clone())) };
             }
@@ -320,7 +320,7 @@ pub unsafe extern "system" fn bind_samplers2(
             let set = |kept: &mut BufferOffsets| {
                 kept.has_more |= !info.p_next.is_null();
                 for &point in points.iter().filter(|_| info.layout != vk::PipelineLayout::null()) {
-                    kept.set(Call { point, layout: info.layout, first: info.set, what: What::Samplers });
+                    kept.set(Call { point, layout: info.layout, first: info.set, kind: CallKind::Samplers });
                 }
             };
             // SAFETY: the command buffer is recording, by valid usage.
@@ -338,15 +338,15 @@ mod tests {
     const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
 
     fn offsets(point: vk::PipelineBindPoint, first: u32, offsets: &[u64]) -> Call {
-        let what = What::Offsets(offsets.iter().map(|_| 0).collect(), offsets.into());
-        Call { point, layout: vk::PipelineLayout::from_raw(1), first, what }
+        let kind = CallKind::Offsets(offsets.iter().map(|_| 0).collect(), offsets.into());
+        Call { point, layout: vk::PipelineLayout::from_raw(1), first, kind }
     }
 
     #[test]
     fn offsets_are_kept_until_they_are_set_anew_or_other_buffers_are_bound() {
         let mut kept = BufferOffsets::default();
         let samplers =
-            Call { point: GRAPHICS, layout: vk::PipelineLayout::null(), first: 3, what: What::Samplers };
+            Call { point: GRAPHICS, layout: vk::PipelineLayout::null(), first: 3, kind: CallKind::Samplers };
         for call in [offsets(GRAPHICS, 0, &[64]), offsets(COMPUTE, 0, &[0]), samplers.clone()] {
             kept.set(call);
         }

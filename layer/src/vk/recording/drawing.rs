@@ -8,7 +8,7 @@
 use super::sets::BoundSets;
 use super::{Buffer, with_buffer};
 use crate::abi::copies::slice;
-use crate::backend::mask::Returning;
+use crate::backend::mask::EarlyReturnPipeline;
 use crate::vk::functions::ArmedTable;
 use ash::vk;
 use smallvec::SmallVec;
@@ -33,7 +33,7 @@ pub struct Drawing {
 
 #[derive(Clone)]
 struct InPlace {
-    returning: Arc<Returning>,
+    returning: Arc<EarlyReturnPipeline>,
     set: vk::DescriptorSet,
 }
 

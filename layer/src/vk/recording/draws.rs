@@ -3,11 +3,11 @@
 //! Engines draw ten thousand times a frame, so the counts of the pass that a thread records are the thread's own: a draw adds to them
 //! without a lock or a look-up. They go to the command buffer where the pass ends, and where the thread continues another.
 
+mod cached_device;
 mod hooks;
-mod quick;
 
+pub use cached_device::{cached_device, device_ends, device_made};
 pub use hooks::*;
-pub use quick::{device_ends, device_made, quick};
 
 use super::{Buffer, buffer, untracked};
 use crate::pass_detection::{Draws, Reads};
@@ -95,7 +95,7 @@ struct Open {
     /// Whether any of that is bound.
     may_read: Cell<bool>,
     /// Whether the bound sets were noted as read by quads, and by other draws.
-    told: [Cell<bool>; 2],
+    noted: [Cell<bool>; 2],
 }
 
 thread_local! {
@@ -107,7 +107,7 @@ thread_local! {
             sets: [const { Cell::new(0) }; SETS],
             is_unknown: Cell::new(false),
             may_read: Cell::new(false),
-            told: [const { Cell::new(false) }; 2],
+            noted: [const { Cell::new(false) }; 2],
         }
     };
 }
@@ -128,7 +128,7 @@ impl Open {
 
     fn is_bound_anew(&self) {
         self.may_read.set(self.is_unknown.get() || self.sets.iter().any(|set| set.get() != 0));
-        self.told.iter().for_each(|told| told.set(false));
+        self.noted.iter().for_each(|noted| noted.set(false));
     }
 
     /// The thread draws in a command buffer, with the sets that it bound there before.
@@ -136,7 +136,7 @@ impl Open {
         if self.bound_in.get() != raw {
             self.forget_bound(raw, true);
         }
-        self.told.iter().for_each(|told| told.set(false));
+        self.noted.iter().for_each(|noted| noted.set(false));
     }
 }
 
@@ -146,7 +146,7 @@ enum Counted {
     /// The draw is counted, or is not to be.
     Done,
     /// The reads of the bound sets have to be noted first.
-    Untold,
+    ReadsNotNoted,
     /// The thread records no pass of that command buffer.
     Elsewhere,
 }
@@ -159,8 +159,8 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
         if open.handle.get() != raw {
             return if untracked::is_here(handle) { Counted::Done } else { Counted::Elsewhere };
         }
-        if open.may_read.get() && !open.told[usize::from(more.meshes > 0)].get() {
-            return Counted::Untold;
+        if open.may_read.get() && !open.noted[usize::from(more.meshes > 0)].get() {
+            return Counted::ReadsNotNoted;
         }
         let mut counts = open.counts.get();
         counts.add(more);
@@ -174,7 +174,7 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
 fn add_reads(of: &Buffer, more: Counts) {
     let _ = OPEN.try_with(|open| {
         let kind = usize::from(more.meshes > 0);
-        open.told[kind].set(true);
+        open.noted[kind].set(true);
         let reads = &mut of.recorded().tally.reads[kind];
         reads.may_read_more |= open.is_unknown.get();
         for set in open.sets.iter().map(Cell::get).filter(|set| *set != 0) {
@@ -186,7 +186,7 @@ fn add_reads(of: &Buffer, more: Counts) {
 /// Recording of a command buffer begins, or goes on after secondaries: nothing is bound.
 pub fn recording_begins(handle: vk::CommandBuffer) {
     // SAFETY: a live command buffer, as it is recorded.
-    let is_followed = unsafe { quick(handle) }.is_some();
+    let is_followed = unsafe { cached_device(handle) }.is_some();
     let _ = OPEN.try_with(|open| open.forget_bound(handle.as_raw(), !is_followed));
 }
 
@@ -220,7 +220,7 @@ fn hand_over(before: u64, counts: Counts, next: u64) {
 #[inline]
 pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::DescriptorSet]) {
     // SAFETY: the handle is live, as `# Safety` demands.
-    let Some(armed) = (unsafe { quick(handle) }) else { return };
+    let Some(armed) = (unsafe { cached_device(handle) }) else { return };
     if untracked::is_here(handle) {
         return;
     }
@@ -325,7 +325,7 @@ pub fn count_tracked(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
         take_up(of, handle, false);
         counted = count(handle, more);
     }
-    if counted == Counted::Untold {
+    if counted == Counted::ReadsNotNoted {
         add_reads(of, more);
         count(handle, more);
     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::backend::mask::{Directions, DynamicStencil, Returns};
+use crate::backend::mask::{Directions, DynamicStencil, EarlyReturnSupport};
 use crate::pass_detection::{ImageKey, PassFacts, Target, Transfer, TransferKind};
 
 fn target(image: u64) -> Target {
@@ -45,7 +45,7 @@ const LESS: PipelineFacts = PipelineFacts {
     dynamic_stencil: DynamicStencil { test: false, op: false },
     are_unknown: false,
     directions: Directions { less: true, greater: false },
-    returns: Returns { any: false, keeping_coverage: false },
+    returns: EarlyReturnSupport { any: false, keeping_coverage: false },
 };
 const GREATER: PipelineFacts =
     PipelineFacts { directions: Directions { less: false, greater: true }, ..LESS };
@@ -69,7 +69,7 @@ fn a_pipeline_stays_bound_from_one_pass_to_the_next() {
 }
 
 #[test]
-fn what_commands_say_of_a_pass_counts_for_that_pass_alone() {
+fn facts_belong_to_their_pass_alone() {
     let mut recorded = Recorded::default();
     recorded.add(CLEARED);
     recorded.begin(Some(pass(1)), None, None);
@@ -148,7 +148,7 @@ fn recording_again_forgets_and_keeps_the_memory() {
 }
 
 #[test]
-fn what_is_left_of_the_corner_is_cut() {
+fn negative_offsets_are_cut() {
     let rect =
         |x, y| vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width: 10, height: 20 } };
     assert_eq!((area(rect(3, 4)), area(rect(-3, -4))), ([3, 4, 10, 20], [0, 0, 10, 20]));

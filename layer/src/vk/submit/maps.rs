@@ -28,7 +28,7 @@ pub unsafe fn submit(
 ) {
     let is_urgent = outdated.iter().any(|candidate| {
         let content = candidate.content();
-        content.need(u64::MAX) == Need::Initialise || content.leaves_out()
+        content.need(u64::MAX) == Need::Initialise || content.has_stale_tiles()
     });
     // SAFETY: this thread may use the live queue, as `# Safety` demands; the slot is not pending.
     ring.with_slot(own, is_urgent, |slot| unsafe { fill(slot, armed, own, queue, outdated, deciding) });
@@ -105,10 +105,10 @@ unsafe fn resolve_on_gpu(
     let is_unfilled = candidate.content().is_unfilled();
     let Some(form) = candidate.map.form().filter(|_| !is_unfilled) else { return false };
     let (image, parts) = rate_image(candidate);
-    let leaves_out = candidate.map.leaves_out();
-    let target = MapTarget { queue, parts: &parts, image: &image, leaves_out };
+    let skips_stale_tiles = candidate.map.skips_stale_tiles();
+    let target = MapTarget { queue, parts: &parts, image: &image, skips_stale_tiles };
     let mut resolved = candidate.take_resolved();
-    let plan = (&armed.frame, &armed.rates);
+    let plan = (&armed.frame, &armed.offered_rates);
     // SAFETY: the command buffer is recording, and `kept` lives until it has finished, as `# Safety` demands.
     let written = unsafe { armed.perception.resolve(plan, commands, &target, &form, &mut resolved, kept) };
     candidate.keep_resolved(resolved);
@@ -134,9 +134,9 @@ fn stage_plan(slot: &mut Slot, armed: &Armed, candidate: &Candidate, offset: usi
     let is_new = {
         let mut content = candidate.content();
         let mut plan = armed.frame.plan();
-        plan.resolve(&parts, &image, &armed.rates, &mut slot.texels);
-        if !candidate.map.leaves_out() && plan.leaves_out() {
-            armed.rates.coarsen_stale(&mut slot.texels);
+        plan.resolve(&parts, &image, &armed.offered_rates, &mut slot.texels);
+        if !candidate.map.skips_stale_tiles() && plan.has_stale_tiles() {
+            armed.offered_rates.coarsen_stale(&mut slot.texels);
         }
         if content.is_unfilled() {
             refine_fresh(&mut slot.texels);

@@ -20,12 +20,12 @@ unsafe extern "C" fn ended(device: vk::Device) {
 }
 
 #[test]
-fn whoever_asks_is_told_of_the_end_of_a_device_before_it_is_gone() {
+fn callbacks_run_before_the_device_is_destroyed() {
     let instance = new_instance(None);
     let [asked, other] = [new_device(instance), new_device(instance)];
     fake::calls();
     // SAFETY: the device is live.
-    assert_eq!(unsafe { (link(asked).unwrap().when_it_ends)(asked, ended) }, 1);
+    assert_eq!(unsafe { (link(asked).unwrap().on_device_destroyed)(asked, ended) }, 1);
     destroy_device(other);
     assert!(ENDED.take().is_empty());
     fake::calls();
@@ -45,7 +45,7 @@ impl RateMap for NoMap {
 }
 
 #[test]
-fn what_is_kept_for_images_that_only_a_swapchain_tells_of_goes_with_it() {
+fn images_known_by_their_swapchain_are_forgotten_with_it() {
     let instance = new_instance(None);
     let handle = new_device(instance);
     // SAFETY: the device is live.

@@ -39,7 +39,7 @@ fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
 
 fn attaches(device: vk::Device) -> bool {
     // SAFETY: the device is live.
-    unsafe { device::of(device) }.unwrap().rates().unwrap().attaches_to_rendering()
+    unsafe { device::of(device) }.unwrap().rate_attachments().unwrap().attaches_to_rendering()
 }
 
 const SUCCESS: vk::Result = vk::Result::SUCCESS;
@@ -70,7 +70,7 @@ fn the_driver_has_the_last_word() {
 }
 
 #[test]
-fn what_is_no_refusal_is_not_tried_again() {
+fn positive_results_are_not_retried() {
     for answer in [vk::Result::PIPELINE_COMPILE_REQUIRED_EXT, vk::Result::ERROR_DEVICE_LOST] {
         let (result, made, seen, attaches) = created(answer, SUCCESS);
         assert_eq!((result, made, attaches), (answer, [1, 0], true));
@@ -79,7 +79,7 @@ fn what_is_no_refusal_is_not_tried_again() {
 }
 
 #[test]
-fn what_a_module_does_is_kept_by_its_identifier() {
+fn effects_are_kept_by_module_identifier() {
     with_device(|device| {
         let code = crate::vk::shaders::effects::tests::plain_shader();
         let info = vk::ShaderModuleCreateInfo::default().code(&code);

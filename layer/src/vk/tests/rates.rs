@@ -66,7 +66,7 @@ fn an_applications_own_features_are_amended_and_stay_its_own() {
 }
 
 #[test]
-fn what_the_specification_excludes_is_not_enabled_together() {
+fn excluded_techniques_are_not_enabled_together() {
     let density = vk::PhysicalDeviceFragmentDensityMapFeaturesEXT::default().fragment_density_map(true);
     let image = vk::PhysicalDeviceShadingRateImageFeaturesNV::default().shading_rate_image(true);
     for chain in [(&raw const density).cast(), (&raw const image).cast()] {
@@ -79,7 +79,7 @@ fn what_the_specification_excludes_is_not_enabled_together() {
 }
 
 #[test]
-fn where_it_is_refused_creation_is_as_the_application_asks() {
+fn a_refused_creation_is_repeated_unchanged() {
     fake::calls();
     let created = created(vk::API_VERSION_1_0, null(), true);
     assert_eq!(created.extensions, [""; 0]);
@@ -123,7 +123,7 @@ fn limits(driver: vk::DriverId, name: &'static [u8]) -> (bool, vk::SampleCountFl
     let device = new_device(instance);
     // SAFETY: the device is live.
     let known = unsafe { device::of(device) }.unwrap();
-    let capabilities = known.rates().unwrap().capabilities.clone();
+    let capabilities = known.rate_attachments().unwrap().capabilities.clone();
     destroy_device(device);
     destroy_instance(instance);
     rates::drive(vk::DriverId::default(), b"");
@@ -143,7 +143,7 @@ fn quirks_of_a_device_limit_what_it_offers() {
 }
 
 #[test]
-fn what_the_configuration_does_not_ask_for_is_not_created() {
+fn unconfigured_backends_are_not_created() {
     rates::capabilities(true, false);
     for arming in [Arming::Inert, Arming::Pictures, Arming::Masks] {
         ARMING.set(arming);
@@ -156,7 +156,7 @@ fn what_the_configuration_does_not_ask_for_is_not_created() {
         assert_eq!(rates::features(), [0; 3], "{arming:?}");
         // SAFETY: the device is live.
         let known = unsafe { device::of(device) }.unwrap();
-        let has = (known.armed.is_some(), known.rates().is_some(), known.masks().is_some());
+        let has = (known.armed.is_some(), known.rate_attachments().is_some(), known.masks().is_some());
         let expected = match arming {
             Arming::Inert => (false, false, false),
             Arming::Pictures => (true, false, false),

@@ -46,7 +46,7 @@ struct Frame {
     pending: u32,
     /// Whether some will never be.
     is_incomplete: bool,
-    /// Whether a command buffer of the application was among them: our own work alone is no frame.
+    /// Whether a command buffer of the application was among them: our own work alone is not a frame.
     has_application: bool,
 }
 
@@ -130,7 +130,7 @@ impl Frame {
     }
 }
 
-/// Steps in which at least one of the intervals lasts. Pauses between them are no time spent: the application's threads are late there.
+/// Steps in which at least one of the intervals lasts. Pauses between them are not time spent: the application's threads are late there.
 ///
 /// Timestamps of all queues of a device are of one clock (`VK_TIME_DOMAIN_DEVICE_KHR`, Vulkan specification, Time Domains).
 fn steps_of_any(intervals: &mut [(Work, Interval)]) -> u64 {
@@ -153,7 +153,7 @@ mod tests {
     use Work::{Analysis, Application, Maps};
 
     fn interval(begin: u64, end: u64) -> Option<Interval> {
-        Some(Interval { begin, end, mask: u64::MAX })
+        Some(Interval { begin, end, valid_bits: u64::MAX })
     }
 
     fn time(frame: u64, ns: u64) -> Option<FrameTime> {
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn a_clock_that_starts_over_goes_on() {
         let mut times = FrameTimes::default();
-        let narrow = |begin, end| Some(Interval { begin, end, mask: 0xff });
+        let narrow = |begin, end| Some(Interval { begin, end, valid_bits: 0xff });
         (0..3).for_each(|_| times.submitted(0, Application));
         times.read(0, Application, narrow(2, 6));
         times.read(0, Application, narrow(250, 254));
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_leaves_the_frame_out() {
+    fn unreadable_timestamps_drop_the_frame() {
         let mut times = FrameTimes::default();
         (0..4).for_each(|frame| times.submitted(frame, Application));
         times.read(0, Application, None);
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn what_never_comes_is_forgotten() {
+    fn missing_timestamps_are_forgotten() {
         let mut times = FrameTimes::default();
         for frame in 0..100 {
             times.submitted(frame, Application);

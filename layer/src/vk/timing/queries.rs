@@ -9,13 +9,13 @@ use std::sync::{Mutex, PoisonError};
 pub struct Queries {
     device: ash::Device,
     pool: vk::QueryPool,
-    /// Bits of a timestamp that hold.
-    mask: u64,
+    /// Valid bits of timestamps (`timestampValidBits`).
+    valid_bits: u64,
     /// The latest timestamp that was read.
     latest: Mutex<Option<u64>>,
 }
 
-/// When timestamps are written: when all before them is done.
+/// Stage at which timestamps are written: after all earlier commands.
 const DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
 
 /// Two timestamps.
@@ -25,20 +25,20 @@ pub struct Interval {
     pub begin: u64,
     /// The second.
     pub end: u64,
-    /// Bits of both that hold.
-    pub mask: u64,
+    /// Valid bits of both (`timestampValidBits`).
+    pub valid_bits: u64,
 }
 
 impl Interval {
     /// Steps of the clock from the first to the second.
     pub fn steps(&self) -> u64 {
-        self.end.wrapping_sub(self.begin) & self.mask
+        self.end.wrapping_sub(self.begin) & self.valid_bits
     }
 
     /// Steps from the beginning of another to that of this one.
     pub fn begin_since(&self, other: &Self) -> i64 {
-        let unused = (self.mask & other.mask).leading_zeros();
-        // The sign is the highest bit that holds.
+        let unused = (self.valid_bits & other.valid_bits).leading_zeros();
+        // The sign is the highest valid bit.
         let steps = self.begin.wrapping_sub(other.begin);
         steps.checked_shl(unused).unwrap_or(0).cast_signed().checked_shr(unused).unwrap_or(0)
     }
@@ -48,12 +48,12 @@ impl Queries {
     /// # Safety
     ///
     /// The device is live, and outlives the result.
-    pub unsafe fn new(device: &ash::Device, mask: u64) -> Result<Self, GpuError> {
+    pub unsafe fn new(device: &ash::Device, valid_bits: u64) -> Result<Self, GpuError> {
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
         // SAFETY: the device is live, as `# Safety` demands.
         let pool = unsafe { device.create_query_pool(&info, None) };
         let pool = pool.map_err(GpuError::from_call("vkCreateQueryPool"))?;
-        Ok(Self { device: device.clone(), pool, mask, latest: Mutex::default() })
+        Ok(Self { device: device.clone(), pool, valid_bits, latest: Mutex::default() })
     }
 
     /// Records the first timestamp.
@@ -93,7 +93,7 @@ impl Queries {
         match read {
             Ok(()) => {
                 let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-                Ok(interval(results, self.mask, &mut latest))
+                Ok(interval(results, self.valid_bits, &mut latest))
             }
             Err(vk::Result::NOT_READY) => Ok(None),
             Err(error) => Err(GpuError::from_call("vkGetQueryPoolResults")(error)),
@@ -103,18 +103,18 @@ impl Queries {
 
 /// The interval between two timestamps; nothing while one of them is of an earlier submit: those stay until the GPU comes to reset them. Before
 /// the first reset, RADV answers with the zeros of a new pool (`radv_query.c`: available if it is not `UINT64_MAX`).
-fn interval([begin, end]: [u64; 2], mask: u64, latest: &mut Option<u64>) -> Option<Interval> {
+fn interval([begin, end]: [u64; 2], valid_bits: u64, latest: &mut Option<u64>) -> Option<Interval> {
     if latest.is_none() && (begin == 0 || end == 0) {
         return None;
     }
     if let Some(before) = *latest {
-        let is_later = |after: u64| (1..=mask / 2).contains(&(after.wrapping_sub(before) & mask));
+        let is_later = |after: u64| (1..=valid_bits / 2).contains(&(after.wrapping_sub(before) & valid_bits));
         if !is_later(begin) || !is_later(end) {
             return None;
         }
     }
     *latest = Some(end);
-    Some(Interval { begin, end, mask })
+    Some(Interval { begin, end, valid_bits })
 }
 
 impl Drop for Queries {
@@ -128,8 +128,8 @@ impl Drop for Queries {
 mod tests {
     use super::{Interval, interval};
 
-    fn steps(results: [u64; 2], mask: u64, latest: &mut Option<u64>) -> Option<u64> {
-        interval(results, mask, latest).map(|interval| interval.steps())
+    fn steps(results: [u64; 2], valid_bits: u64, latest: &mut Option<u64>) -> Option<u64> {
+        interval(results, valid_bits, latest).map(|interval| interval.steps())
     }
 
     #[test]
@@ -153,13 +153,17 @@ mod tests {
 
     #[test]
     fn beginnings_are_before_and_after_each_other() {
-        for mask in [0xff, u64::MAX >> 28, u64::MAX] {
-            let at = |begin: u64| Interval { begin: begin & mask, end: 0, mask };
+        for valid_bits in [0xff, u64::MAX >> 28, u64::MAX] {
+            let at = |begin: u64| Interval { begin: begin & valid_bits, end: 0, valid_bits };
             let early = at(0_u64.wrapping_sub(3));
-            assert_eq!((at(4).begin_since(&early), early.begin_since(&at(4))), (7, -7), "{mask:x}");
+            assert_eq!((at(4).begin_since(&early), early.begin_since(&at(4))), (7, -7), "{valid_bits:x}");
         }
         assert_eq!(
-            Interval { begin: 1, end: 2, mask: 0 }.begin_since(&Interval { begin: 0, end: 0, mask: 0 }),
+            Interval { begin: 1, end: 2, valid_bits: 0 }.begin_since(&Interval {
+                begin: 0,
+                end: 0,
+                valid_bits: 0
+            }),
             0
         );
     }

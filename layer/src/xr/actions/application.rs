@@ -10,7 +10,7 @@ use std::ffi::{CStr, CString, c_char};
 #[derive(Debug, Default)]
 pub struct ApplicationInput {
     /// Whether it has asked for anything that leads to actions.
-    is_there: bool,
+    has_input: bool,
     /// Its action sets, with their priorities.
     sets: Vec<(xr::ActionSet, u32)>,
     /// Its actions, with their sets.
@@ -84,12 +84,12 @@ fn user_of(instance: &Instance, binding: xr::Path) -> Option<xr::Path> {
 impl ApplicationInput {
     /// It asked for something that leads to actions.
     pub fn note_input(&mut self) {
-        self.is_there = true;
+        self.has_input = true;
     }
 
     /// Whether it has input, or will.
-    pub fn is_there(&self) -> bool {
-        self.is_there
+    pub fn has_input(&self) -> bool {
+        self.has_input
     }
 
     /// It made an action set. A handle may be that of one that was destroyed.

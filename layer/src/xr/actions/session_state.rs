@@ -169,7 +169,7 @@ impl SessionActions {
     pub fn is_settled(&self, session: &Session) -> bool {
         let state = self.state();
         match state.attachment {
-            Attachment::Not => session.instance.actions.application().is_there(),
+            Attachment::Not => session.instance.actions.application().has_input(),
             Attachment::WithApplication { .. } => {
                 state.is_synchronised || state.waited_frames > PATIENCE_FRAMES
             }
@@ -186,7 +186,7 @@ impl SessionActions {
             Attachment::Not => {
                 let is_time = after_ns > 0 && state.shown_ns >= after_ns;
                 drop(state);
-                let is_alone = is_time && !session.instance.actions.application().is_there();
+                let is_alone = is_time && !session.instance.actions.application().has_input();
                 if is_alone { Due::AttachAlone } else { Due::Nothing }
             }
             Attachment::WithApplication { gaze, .. } if !state.is_synchronised => {

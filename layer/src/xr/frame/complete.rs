@@ -1,10 +1,10 @@
 //! Completion of a frame's pictures from earlier ones.
 
-use super::history::{Completing, Expected, History, ShownPicture};
+use super::history::{CompletionSettings, Expected, History, ShownEyeBuffer};
 use super::work::Work;
 use super::{FrameEnd, Works, depth};
 use crate::config::{Config, longest_period, wants_reuse};
-use crate::planner::{Planning, View, Watched};
+use crate::planner::{SessionPlanner, View, Watched};
 use crate::xr::plan::PlanWork;
 use crate::xr::session::{Health, Tools};
 use crate::xr::submission::Projection;
@@ -26,7 +26,7 @@ pub fn complete<'a>(
     if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
         return;
     }
-    let how = Completing::of(config);
+    let settings = CompletionSettings::of(config);
     // With a second layer, it is not known which passes belong to which; the pictures whose tiles were left out before are completed.
     let only = submission.only_projection();
     let is_only = only.is_some();
@@ -37,12 +37,12 @@ pub fn complete<'a>(
         };
         submission.projections().find(is_known)
     });
-    let watched = watched(&active.plan.planning(), config);
+    let watched = watched(&active.plan.planner(), config);
     let mut kept = [false; 2];
     let mut sorted = active.plan.sorted();
     for eye in 0..2 {
         let shown = scene.as_ref().and_then(|scene| picture(scene, eye, submission.time, works));
-        let is_others = |(other, _): (ShownPicture, &Work)| {
+        let is_others = |(other, _): (ShownEyeBuffer, &Work)| {
             shown.is_some_and(|(shown, _)| {
                 (shown.substitute, shown.array_layer, shown.rect)
                     == (other.substitute, other.array_layer, other.rect)
@@ -72,18 +72,18 @@ pub fn complete<'a>(
                         && (!wants_reuse || tools.compose().completes(work.format()))
                 })
         };
-        if !(wants_reuse && is_only) && history.region(eye, how).is_none() {
+        if !(wants_reuse && is_only) && history.region(eye, settings).is_none() {
             history.show(eye, None, |_| false, |_| {});
         }
-        history.complete(eye, how, watched[eye].as_ref(), Some(&mut sorted));
+        history.complete(eye, settings, watched[eye].as_ref(), Some(&mut sorted));
     }
     drop(sorted);
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
     {
-        let mut planning = active.plan.planning();
+        let mut planner = active.plan.planner();
         let may_reuse = wants_reuse && report.feedback.allows_reuse();
-        (0..2).filter(|eye| kept[*eye] && may_reuse).for_each(|eye| planning.history_kept(eye));
-        planning.views.set_followed((0..2).all(follows));
+        (0..2).filter(|eye| kept[*eye] && may_reuse).for_each(|eye| planner.history_kept(eye));
+        planner.views.set_followed((0..2).all(follows));
     }
     let history: &'a History = history;
     for eye in 0..2 {
@@ -93,9 +93,9 @@ pub fn complete<'a>(
         if let Some(work) = work
             && tools.compose().completes(work.format())
         {
-            work.reuse.extend(history.region(eye, how));
+            work.reuse.extend(history.region(eye, settings));
             let changes =
-                watched[eye].as_ref().map(|watched| history.changes(eye, how, watched.orientation()));
+                watched[eye].as_ref().map(|watched| history.changes(eye, settings, watched.orientation()));
             work.changes.extend(changes.flatten());
         }
     }
@@ -105,33 +105,33 @@ pub fn complete<'a>(
 pub fn sort_ahead(work: &PlanWork, config: &Config, views: &[View]) {
     // A frame that another thread is ending has pictures that this one needs.
     let Some(history) = work.free_history() else { return };
-    let planning = work.planning();
-    let watched = watched(&planning, config);
-    if !planning.is_planned() {
+    let planner = work.planner();
+    let watched = watched(&planner, config);
+    if !planner.is_planned() {
         return;
     }
     work.sorted().update(move |sorted| {
         for ((eye, view), watched) in views.iter().take(2).enumerate().zip(watched) {
-            let stale = |tiles: &mut StaleTiles| planning.stale(eye, tiles);
-            let how = Completing::of(config);
-            history.expect(eye, sorted, Expected { how, watched, view: *view, stale: &stale });
+            let stale = |tiles: &mut StaleTiles| planner.stale(eye, tiles);
+            let settings = CompletionSettings::of(config);
+            history.expect(eye, sorted, Expected { settings, watched, view: *view, stale: &stale });
         }
     });
 }
 
 /// The directions that are compared with earlier pictures, of both eyes.
-fn watched(planning: &Planning, config: &Config) -> [Option<Watched>; 2] {
+fn watched(planner: &SessionPlanner, config: &Config) -> [Option<Watched>; 2] {
     let is_watched = wants_reuse(config) && config.reuse.refresh;
-    [0, 1].map(|eye| planning.watched(eye).filter(|_| is_watched))
+    [0, 1].map(|eye| planner.watched(eye).filter(|_| is_watched))
 }
 
-/// The picture of an eye, where it is in a virtual swapchain.
+/// The eye buffer of a view, where it is in a virtual swapchain.
 fn picture<'a, 'b>(
     scene: &Projection<'_>,
     eye: usize,
     time: xr::Time,
     works: &'b Works<'a>,
-) -> Option<(ShownPicture, &'b Work<'a>)> {
+) -> Option<(ShownEyeBuffer, &'b Work<'a>)> {
     let view = scene.views.get(eye)?;
     let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain)?;
     Some((work.picture(view, scene.space, time)?, work))

@@ -1,7 +1,7 @@
-//! The layer's decisions, drawn over the finished pictures of the eyes if the configuration, or `parafovea status`, asks for that.
+//! The layer's decisions, drawn over the finished eye buffers if the configuration, or `parafovea status`, asks for that.
 //!
 //! Pictures of virtual swapchains are drawn over at the end of the frame, once they are written. Pictures of other swapchains are drawn over
-//! in the call that returns their image, because the image is the runtime's after it: the places of the eyes' pictures in it are known from
+//! in the call that returns their image, because the image is the runtime's after it: the places of the eye buffers in it are known from
 //! the frame before.
 
 use super::FrameEnd;
@@ -45,7 +45,7 @@ struct ShownEye {
     fov: Fov,
 }
 
-/// An eye's picture that is drawn over.
+/// An eye buffer that is drawn over.
 struct EyePicture<'a> {
     eye: usize,
     shown: ShownEye,
@@ -78,7 +78,7 @@ pub fn is_wanted(active: &Active, config: &Config) -> bool {
     is_asked && !views.has_failed && active.health() == Health::Works
 }
 
-/// Notes the places of the eyes' pictures, for drawing over them before the next frame ends; `number` is the frame's.
+/// Notes the places of the eye buffers, for drawing over them before the next frame ends; `number` is the frame's.
 pub fn note_shown(frame: &FrameEnd, number: u64) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
     if debug_view(config).is_none() {
@@ -90,7 +90,7 @@ pub fn note_shown(frame: &FrameEnd, number: u64) {
     }
 }
 
-/// Draws over the pictures of the eyes that were written in this frame.
+/// Draws over the eye buffers that were written in this frame.
 ///
 /// # Safety
 ///
@@ -108,7 +108,7 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
     unsafe { draw_over(active, config, session.gaze.dot_deg(), pictures.collect()) };
 }
 
-/// Draws over the pictures of the eyes in the image that the application is about to return to the runtime.
+/// Draws over the eye buffers in the image that the application is about to return to the runtime.
 ///
 /// # Safety
 ///
@@ -127,7 +127,7 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
         return;
     }
     let Some(tools) = active.tools() else { return };
-    let _give_up = super::GiveUpOnPanic(active);
+    let _degrade = super::DegradeOnPanic(active);
     let (extent, array_layers) = swapchain.extent_and_layers();
     swapchain.draw_over(&tools.gpu, |runtime, runtime_index| {
         let pictures = shown.into_iter().enumerate().filter_map(|(eye, shown)| {
@@ -163,13 +163,13 @@ unsafe fn draw_over(
     let mut views = active.debug_views();
     let DebugViews { pass, maps, frame, drawn, has_failed, .. } = &mut *views;
     let seen: [Option<DebugOverlay>; 2] = {
-        let planning = active.plan.planning();
-        [0, 1].map(|eye| planning.seen(config, eye, view, dot_deg, &mut maps[eye]))
+        let planner = active.plan.planner();
+        [0, 1].map(|eye| planner.seen(config, eye, view, dot_deg, &mut maps[eye]))
     };
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
     match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {
         Ok(true) => *drawn = Some((view, *frame)),
-        // The device is behind: this frame goes without.
+        // The device is behind: this frame has no overlay.
         Ok(false) | Err(GpuError::Timeout) => {}
         Err(error) => {
             *has_failed = true;

@@ -28,7 +28,7 @@ const LONGEST_GAP_NS: i64 = 100_000_000;
 
 /// Parameters for completing pictures from earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Completing {
+pub struct CompletionSettings {
     /// Whether re-used tiles are turned with the head; else they stay where they were in the picture (paper B).
     pub turns: bool,
     /// Width of the border in which fresh pixels beside re-used ones are blended, pixels.
@@ -38,13 +38,13 @@ pub struct Completing {
     pub oldest: usize,
 }
 
-impl Completing {
+impl CompletionSettings {
     /// As paper B does.
     pub const PAPER: Self = Self { turns: false, border: 0.0, oldest: MAX_AGES };
     /// From a configuration.
     pub fn of(config: &Config) -> Self {
-        let how = if config.reuse.mode == ReuseMode::Paper { Self::PAPER } else { Self::TURNED };
-        Self { oldest: longest_period(config) as usize, ..how }
+        let settings = if config.reuse.mode == ReuseMode::Paper { Self::PAPER } else { Self::TURNED };
+        Self { oldest: longest_period(config) as usize, ..settings }
     }
 
     /// Turned with the head.
@@ -62,7 +62,7 @@ impl Completing {
     }
 }
 
-/// The last pictures of both eyes.
+/// The last eye buffers of both eyes.
 #[derive(Debug, Default)]
 pub struct History {
     eyes: [EyeHistory; 2],
@@ -83,7 +83,7 @@ pub struct ShownDepth {
 
 /// A picture as a frame shows it.
 #[derive(Debug, Clone, Copy)]
-pub struct ShownPicture {
+pub struct ShownEyeBuffer {
     /// Number of its virtual swapchain.
     pub substitute: u64,
     /// The space of its pose.
@@ -103,7 +103,7 @@ pub struct ShownPicture {
 }
 
 impl History {
-    /// Takes the picture of an eye (0: left, 1: right) that a frame shows, or none. `is_intact` returns whether the picture of a release is
+    /// Takes the eye buffer (0: left, 1: right) that a frame shows, or none. `is_intact` returns whether the picture of a release is
     /// still intact, and `stale` writes the stale tiles of this one. Its depth comes with it, if that was copied.
     ///
     /// Returns whether this picture goes on from the one before, in one swapchain and one space: then the next one probably does, too, and can
@@ -111,7 +111,7 @@ impl History {
     pub fn show(
         &mut self,
         eye: usize,
-        shown: Option<(&ShownPicture, Option<ShownDepth>)>,
+        shown: Option<(&ShownEyeBuffer, Option<ShownDepth>)>,
         is_intact: impl Fn(u64) -> bool,
         stale: impl FnOnce(&mut StaleTiles),
     ) -> bool {
@@ -131,7 +131,7 @@ impl History {
         *len > 0 && of.is_some_and(|(known, _)| known == substitute)
     }
 
-    /// Whether the newest picture of an eye can be followed as the head moves: it has depth, and so has the picture before it.
+    /// Whether the newest eye buffer of an eye can be followed as the head moves: it has depth, and so has the picture before it.
     pub fn has_depth(&self, eye: usize) -> bool {
         let EyeHistory { pictures, len, .. } = &self.eyes[eye];
         *len > 1 && pictures[..2].iter().all(|kept| kept.depth.is_some())
@@ -143,18 +143,18 @@ impl History {
     }
 
     /// Assigns the stale tiles of an eye's newest picture to earlier pictures, and finds its tiles to compare with them: rendered tiles with
-    /// a watched middle, or none if `how` does not turn pictures. Tiles of `sorted` are taken if they belong to this picture.
+    /// a watched middle, or none if `settings` do not turn pictures. Tiles of `sorted` are taken if they belong to this picture.
     pub fn complete(
         &mut self,
         eye: usize,
-        how: Completing,
+        settings: CompletionSettings,
         watched: Option<&Watched>,
         sorted: Option<&mut SortedTiles>,
     ) {
         let EyeHistory { pictures, len, lists, has_moved, .. } = &mut self.eyes[eye];
-        let (pictures, how) = (&pictures[..*len], how.unless(*has_moved));
-        if sorted.is_none_or(|sorted| !sorted.take(eye, pictures, how, watched, lists)) {
-            lists.update(pictures.iter().map(Kept::picture), how, watched);
+        let (pictures, settings) = (&pictures[..*len], settings.unless(*has_moved));
+        if sorted.is_none_or(|sorted| !sorted.take(eye, pictures, settings, watched, lists)) {
+            lists.update(pictures.iter().map(Kept::picture), settings, watched);
         }
     }
 
@@ -165,11 +165,16 @@ impl History {
     }
 
     /// The comparisons that [`Self::complete`] found, of a view that is turned so in the world; `None` if there is nothing to compare.
-    pub fn changes(&self, eye: usize, how: Completing, orientation: Quat) -> Option<ChangeRegion<'_>> {
+    pub fn changes(
+        &self,
+        eye: usize,
+        settings: CompletionSettings,
+        orientation: Quat,
+    ) -> Option<ChangeRegion<'_>> {
         let EyeHistory { pictures, len, lists: EyeLists { compared, .. }, has_moved, .. } = &self.eyes[eye];
-        let how = how.unless(*has_moved);
+        let settings = settings.unless(*has_moved);
         let (newest, earlier) = pictures[..*len].split_first().filter(|_| compared.count() > 0)?;
-        let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns);
+        let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), settings.turns);
         Some(ChangeRegion {
             array_layer: newest.image.array_layer,
             offset: newest.image.offset,
@@ -182,12 +187,12 @@ impl History {
     }
 
     /// The re-use that [`Self::complete`] worked out; `None` if the newest picture is complete.
-    pub fn region(&self, eye: usize, how: Completing) -> Option<ReuseRegion<'_>> {
+    pub fn region(&self, eye: usize, settings: CompletionSettings) -> Option<ReuseRegion<'_>> {
         let EyeHistory { pictures, len, lists: EyeLists { lists, .. }, has_moved, .. } = &self.eyes[eye];
-        let (pictures, how) = (&pictures[..*len], how.unless(*has_moved));
+        let (pictures, settings) = (&pictures[..*len], settings.unless(*has_moved));
         let [width, height] = pictures.first()?.extent;
         let EarlierImage { array_layer, offset: [x, y], .. } = pictures[0].image;
-        let reuse = lists::reuse(pictures.iter().map(Kept::picture), how)?;
+        let reuse = lists::reuse(pictures.iter().map(Kept::picture), settings)?;
         Some(ReuseRegion {
             array_layer,
             rect: vk::Rect2D {
@@ -196,7 +201,7 @@ impl History {
             },
             lists,
             earlier: earlier_images(pictures),
-            border: how.border_of(&reuse),
+            border: settings.border_of(&reuse),
             depth: pictures[0].picture_depth(),
             earlier_depth: array::from_fn(|index| pictures.get(index + 1).and_then(Kept::picture_depth)),
             reuse,
@@ -228,7 +233,7 @@ struct EyeHistory {
 /// One picture.
 #[derive(Debug)]
 struct Kept {
-    /// The number of the eye's picture, counted from 1: its content stays the same, but for its depth.
+    /// The number of the eye buffer, counted from 1: its content stays the same, but for its depth.
     number: u64,
     release: u64,
     image: EarlierImage,
@@ -240,7 +245,7 @@ struct Kept {
 }
 
 impl Kept {
-    fn new(number: u64, (shown, depth): (&ShownPicture, Option<ShownDepth>), stale: StaleTiles) -> Self {
+    fn new(number: u64, (shown, depth): (&ShownEyeBuffer, Option<ShownDepth>), stale: StaleTiles) -> Self {
         let vk::Rect2D { offset, extent } = shown.rect;
         Self {
             number,
@@ -269,7 +274,7 @@ impl Kept {
     fn picture_depth(&self) -> Option<PictureDepth<'_>> {
         self.depth.as_ref().map(|depth| PictureDepth {
             kept: &depth.newest.kept,
-            turn: depth.newest.turn,
+            copy: depth.newest.copy,
             array_layer: depth.array_layer,
             rect: depth.rect,
         })
@@ -279,7 +284,7 @@ impl Kept {
 impl EyeHistory {
     fn show(
         &mut self,
-        (shown, depth): (&ShownPicture, Option<ShownDepth>),
+        (shown, depth): (&ShownEyeBuffer, Option<ShownDepth>),
         is_intact: impl Fn(u64) -> bool,
         stale: impl FnOnce(&mut StaleTiles),
     ) -> bool {
@@ -297,7 +302,7 @@ impl EyeHistory {
         self.has_moved = goes_on && was_in != Some(shown.space);
         self.of = Some((shown.substitute, shown.space));
         match self.pictures.first_mut().filter(|_| self.len > 0) {
-            // The same picture again, wherever it is said to have been seen from.
+            // The same picture again, even if it is submitted with another pose.
             Some(newest) if newest.release == shown.release => newest.time = shown.time,
             _ => self.push((shown, depth), stale),
         }
@@ -312,12 +317,12 @@ impl EyeHistory {
     fn keep(&mut self, len: usize) {
         self.len = len;
         for (index, kept) in self.pictures.iter_mut().enumerate() {
-            let is_there = |depth: &ShownDepth| depth.newest.kept.is_there(depth.newest.turn);
-            kept.depth = kept.depth.take().filter(|depth| index < len && is_there(depth));
+            let has_copy = |depth: &ShownDepth| depth.newest.kept.has_copy(depth.newest.copy);
+            kept.depth = kept.depth.take().filter(|depth| index < len && has_copy(depth));
         }
     }
 
-    fn push(&mut self, shown: (&ShownPicture, Option<ShownDepth>), stale: impl FnOnce(&mut StaleTiles)) {
+    fn push(&mut self, shown: (&ShownEyeBuffer, Option<ShownDepth>), stale: impl FnOnce(&mut StaleTiles)) {
         let mut tiles = match self.pictures.len() > MAX_AGES {
             true => self.pictures.pop().map(|kept| kept.stale).unwrap_or_default(),
             false => StaleTiles::default(),

@@ -9,7 +9,12 @@ use openxr_sys::Handle;
 use smallvec::SmallVec;
 
 /// Ends a frame of the Vulkan half with its submission, after that many ignored ones, and takes its report.
-pub fn end_frame(device: &VulkanDevice, submission: &Submission, unnoticed: u32, report: &mut FrameReport) {
+pub fn end_frame(
+    device: &VulkanDevice,
+    submission: &Submission,
+    skipped_frames: u32,
+    report: &mut FrameReport,
+) {
     let mut views: SmallVec<[ShownViewRecord; 8]> = SmallVec::new();
     let mut flat: SmallVec<[u64; 16]> = SmallVec::new();
     let mut depth: SmallVec<[u64; 8]> = SmallVec::new();
@@ -32,7 +37,7 @@ pub fn end_frame(device: &VulkanDevice, submission: &Submission, unnoticed: u32,
         flat_count: flat.len() as u32,
         depth: depth.as_ptr(),
         depth_count: depth.len() as u32,
-        unnoticed,
+        skipped_frames,
     };
     // SAFETY: the arrays live until the end of this function.
     unsafe { device.end_frame(&record, report) };

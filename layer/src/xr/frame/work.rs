@@ -1,6 +1,6 @@
 //! One virtual swapchain in one frame.
 
-use super::history::ShownPicture;
+use super::history::ShownEyeBuffer;
 use super::regions::{Images, rect_within, region};
 use crate::kernels::change::ChangeRegion;
 use crate::kernels::compose::{ComposeJob, ReuseRegion, RuntimeImages};
@@ -70,10 +70,10 @@ impl<'a> Work<'a> {
     }
 
     /// The picture that `view` shows; `None` if its rectangle or orientation is invalid.
-    pub fn picture(&self, view: &ProjectionView, space: xr::Space, time: xr::Time) -> Option<ShownPicture> {
+    pub fn picture(&self, view: &ProjectionView, space: xr::Space, time: xr::Time) -> Option<ShownEyeBuffer> {
         let rect = rect_within(&view.sub_image, &self.images())?;
         let plane = view.fov.tangents().plane([rect.extent.width, rect.extent.height]);
-        Some(ShownPicture {
+        Some(ShownEyeBuffer {
             substitute: self.substitute.number,
             space,
             time,

@@ -22,7 +22,7 @@ pub enum EyeGaze {
     /// It does not: its extensions, with eye gaze added.
     Added(Vec<*const c_char>),
     /// It does not, and the runtime has no eye gaze.
-    NotThere,
+    Missing,
     /// The list is malformed; the runtime will report it.
     Unreadable,
 }
@@ -60,7 +60,7 @@ impl EyeGaze {
             let mut texts = asked.iter().map(|&name| unsafe { CStr::from_ptr(name) });
             let has = |name: &CStr| lists(offered, name);
             if !has(EYE_GAZE) && texts.all(has) && !info.next.is_null() {
-                return Self::NotThere;
+                return Self::Missing;
             }
         }
         let mut names = asked.to_vec();
@@ -162,7 +162,7 @@ mod tests {
             // SAFETY: the names are literals, and the chain is not looked into.
             unsafe { EyeGaze::of(&info, Some(&offered)) }
         };
-        assert!(matches!(of(&[vulkan], true), EyeGaze::NotThere));
+        assert!(matches!(of(&[vulkan], true), EyeGaze::Missing));
         assert!(matches!(of(&[vulkan], false), EyeGaze::Added(_)));
         assert!(matches!(of(&[vulkan, EYE_GAZE], true), EyeGaze::Added(_)));
         assert!(matches!(of(&[c"XR_KHR_vulkan_enable"], true), EyeGaze::Added(_)));

@@ -148,7 +148,7 @@ impl Copied {
     }
 }
 
-/// A pose in the space of the gaze, in that of the head; one that is no pose stays so, for the runtime's own error.
+/// A pose in the space of the gaze, in that of the head; an invalid one stays so, for the runtime's own error.
 fn placed(in_head: Pose, pose: xr::Posef) -> xr::Posef {
     Pose::read(&pose).map_or(pose, |pose| in_head.then(pose).written())
 }

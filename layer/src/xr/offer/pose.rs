@@ -14,7 +14,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// A pose of OpenXR; `None` if its orientation is no rotation.
+    /// A pose of OpenXR; `None` if its orientation is not a rotation.
     pub fn read(pose: &xr::Posef) -> Option<Self> {
         let xr::Quaternionf { x, y, z, w } = pose.orientation;
         let xr::Vector3f { x: right, y: up, z: back } = pose.position;

@@ -153,7 +153,7 @@ enum Placement {
     /// The pose of the gaze, in the space of the head.
     Gaze {
         pose: Pose,
-        /// When the eyes looked there.
+        /// Time at which the eyes looked there.
         sampled_ns: i64,
     },
     /// None: the eyes are not seen, or the action is not active.

@@ -19,36 +19,36 @@ const NO_TRIAL_NS: i64 = 5_000_000_000;
 /// The frames that a session sleeps through.
 #[derive(Debug, Default)]
 pub struct Sleep {
-    left: AtomicU32,
+    remaining: AtomicU32,
     /// Frames that began asleep since the last one that did not.
-    unbegun: AtomicU32,
+    skipped_begins: AtomicU32,
     /// Frames that ended asleep since the last one that did not.
-    unended: AtomicU32,
+    skipped_ends: AtomicU32,
 }
 
 impl Sleep {
     /// Whether the current frame is ignored.
     pub fn is_asleep(&self) -> bool {
-        self.left.load(Ordering::Relaxed) > 0
+        self.remaining.load(Ordering::Relaxed) > 0
     }
 
     /// The next `frames` are ignored.
     fn begin(&self, frames: u32) {
-        self.left.store(frames, Ordering::Relaxed);
+        self.remaining.store(frames, Ordering::Relaxed);
     }
 
     /// No more frames are ignored.
     pub fn wake(&self) {
-        self.left.store(0, Ordering::Relaxed);
+        self.remaining.store(0, Ordering::Relaxed);
     }
 
     /// A frame begins; returns the frames since the last one that was not ignored, with this one. `None` if it is ignored.
     pub fn frame_begins(&self) -> Option<u32> {
         if self.is_asleep() {
-            self.unbegun.fetch_add(1, Ordering::Relaxed);
+            self.skipped_begins.fetch_add(1, Ordering::Relaxed);
             return None;
         }
-        Some(self.unbegun.swap(0, Ordering::Relaxed).saturating_add(1))
+        Some(self.skipped_begins.swap(0, Ordering::Relaxed).saturating_add(1))
     }
 
     /// A frame ends; returns whether it is ignored. With `is_asked`, none is.
@@ -57,30 +57,30 @@ impl Sleep {
             self.wake();
         }
         // Another thread may wake the session meanwhile, and then it stays awake.
-        let less = |left: u32| left.checked_sub(1);
-        let is_ignored = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less).is_ok();
+        let less = |remaining: u32| remaining.checked_sub(1);
+        let is_ignored = self.remaining.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less).is_ok();
         if is_ignored {
-            self.unended.fetch_add(1, Ordering::Relaxed);
+            self.skipped_ends.fetch_add(1, Ordering::Relaxed);
         }
         is_ignored
     }
 
     /// Ignored frames that ended since the last call.
-    pub fn unended(&self) -> u32 {
-        self.unended.swap(0, Ordering::Relaxed)
+    pub fn take_skipped_ends(&self) -> u32 {
+        self.skipped_ends.swap(0, Ordering::Relaxed)
     }
 }
 
-/// At the end of a frame: the next frames are ignored if nothing in them is of use. The Vulkan half follows no passes in
-/// `unfollowed` frames.
+/// At the end of a frame: the next frames are ignored if nothing in them is of use. The Vulkan half tracks no passes in the next
+/// `untracked_frames` frames.
 pub fn fall_asleep(
     session: &Session,
     (active, config): (&Active, &ConfigSnapshot),
     time: xr::Time,
-    unfollowed: u32,
+    untracked_frames: u32,
 ) {
     // The last of these frames is not ignored: its end passes the number of the next frame to the Vulkan half.
-    let frames = unfollowed.saturating_sub(1);
+    let frames = untracked_frames.saturating_sub(1);
     if frames >= LEAST_FRAMES && may_sleep(session, (active, config), time) {
         active.plan.sleep.begin(frames);
         // A swapchain that another thread creates wakes the session; one that it created since the look above has done so too early.
@@ -93,11 +93,11 @@ pub fn fall_asleep(
 /// Whether nothing of a frame is of use for now.
 fn may_sleep(session: &Session, (active, config): (&Active, &ConfigSnapshot), time: xr::Time) -> bool {
     let state = &active.plan;
-    let has_work = || state.planning().has_work(config, active.health() == Health::Works);
+    let has_work = || state.planner().has_work(config, active.health() == Health::Works);
     session.offer.is_none()
         && !config.is_gaze_watched
         && config.gaze.record.path().is_none()
-        && state.has_looked.load(Ordering::Relaxed)
+        && state.has_reported_unseen.load(Ordering::Relaxed)
         && state.rests_ns(time) >= NO_TRIAL_NS
         && session.actions.is_settled(session)
         && !has_work()
@@ -118,13 +118,19 @@ mod tests {
     #[test]
     fn frames_are_counted_from_both_ends() {
         let sleep = Sleep::default();
-        assert_eq!((sleep.frame_begins(), sleep.frame_ends(false), sleep.unended()), (Some(1), false, 0));
+        assert_eq!(
+            (sleep.frame_begins(), sleep.frame_ends(false), sleep.take_skipped_ends()),
+            (Some(1), false, 0)
+        );
         sleep.begin(2);
         for _ in 0..2 {
             assert!(sleep.is_asleep());
             assert_eq!((sleep.frame_begins(), sleep.frame_ends(false)), (None, true));
         }
-        assert_eq!((sleep.frame_begins(), sleep.frame_ends(false), sleep.unended()), (Some(3), false, 2));
+        assert_eq!(
+            (sleep.frame_begins(), sleep.frame_ends(false), sleep.take_skipped_ends()),
+            (Some(3), false, 2)
+        );
     }
 
     #[test]
@@ -133,7 +139,10 @@ mod tests {
         sleep.begin(50);
         assert_eq!((sleep.frame_begins(), sleep.frame_ends(false)), (None, true));
         assert_eq!((sleep.frame_begins(), sleep.frame_ends(true)), (None, false));
-        assert_eq!((sleep.unended(), sleep.is_asleep()), (1, false));
-        assert_eq!((sleep.frame_begins(), sleep.frame_ends(false), sleep.unended()), (Some(3), false, 0));
+        assert_eq!((sleep.take_skipped_ends(), sleep.is_asleep()), (1, false));
+        assert_eq!(
+            (sleep.frame_begins(), sleep.frame_ends(false), sleep.take_skipped_ends()),
+            (Some(3), false, 0)
+        );
     }
 }

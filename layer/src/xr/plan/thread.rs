@@ -113,7 +113,7 @@ impl PlanThread {
             self.shared.finish();
             *self.shared.lock() = Stage::Ended;
             self.shared.changed.notify_all();
-            // A thread that panicked has said so in its own words.
+            // The panic is already logged.
             _ = handle.join();
         }
     }

@@ -104,9 +104,9 @@ fn views_located(session: &Session, active: &Active, info: &xr::ViewLocateInfo, 
         session.head.views_located(info.space, time, views.iter().map(|view| view.orientation));
     }
     let is_planned = {
-        let mut planning = state.planning();
-        planning.views.located(&views);
-        planning.is_planned()
+        let mut planner = state.planner();
+        planner.views.located(&views);
+        planner.is_planned()
     };
     // The pictures of an application that draws as it should show these views.
     let expected = match active.health() {
@@ -138,13 +138,13 @@ pub fn views_shown(
     let Some(shown) = shown.collect::<Option<SmallVec<[ShownView; 4]>>>() else { return };
     let later = active.plan.frame().later.take();
     let is_planned = {
-        let mut planning = active.plan.planning();
+        let mut planner = active.plan.planner();
         if let Some(views) = later {
-            planning.views.located(&views);
+            planner.views.located(&views);
         }
-        planning.views.shown(&shown);
-        planning.views.set_nearest(nearest_m);
-        planning.is_planned()
+        planner.views.shown(&shown);
+        planner.views.set_nearest(nearest_m);
+        planner.is_planned()
     };
     if !is_planned {
         plan(session, (active, config), time, SmallVec::new());
@@ -174,13 +174,13 @@ pub(super) fn plan(
     if state.has_failed() {
         return;
     }
-    let _give_up = GiveUpOnPanic(state);
+    let _stop = StopPlanningOnPanic(state);
     let can_attenuate = active.health() == Health::Works;
     let has_work = {
-        let mut planning = state.planning();
-        let has_work = planning.has_work(config, can_attenuate);
+        let mut planner = state.planner();
+        let has_work = planner.has_work(config, can_attenuate);
         if !has_work {
-            planning.idle();
+            planner.idle();
         }
         has_work
     };
@@ -191,12 +191,12 @@ pub(super) fn plan(
     let head = look(session, state, config, time);
     let sound = state.audio_input().poll(config);
     let has_maps = {
-        let mut planning = state.planning();
+        let mut planner = state.planner();
         if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
-            compose.changes(|view, tiles, changes| planning.content_changed(view, tiles, changes));
+            compose.changes(|view, tiles, changes| planner.content_changed(view, tiles, changes));
         }
-        planning.listen(sound);
-        planning.has_maps(config)
+        planner.listen(sound);
+        planner.has_maps(config)
     };
     let inputs = Some(PlanInputs { can_attenuate, head });
     let task = FrameTask { config: Arc::clone(config), time_ns: time.as_nanos(), inputs, expected };
@@ -211,7 +211,7 @@ pub(super) fn plan(
 /// Asks the eye tracker, where the frame is not planned but a gate waits for a saccade or a blink.
 pub(super) fn watch(session: &Session, (active, config): (&Active, &ConfigSnapshot), time: xr::Time) {
     let state = &active.plan;
-    if state.planning().only_watches(config, active.health() == Health::Works) {
+    if state.planner().only_watches(config, active.health() == Health::Works) {
         look(session, state, config, time);
     }
 }
@@ -221,9 +221,9 @@ fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time)
     let look = session.gaze.look(session, config, time);
     let head = session.head_in_world(time);
     let (rejection, phase) = {
-        let mut planning = state.planning();
-        let rejection = planning.look(config, look, head, time.as_nanos());
-        (rejection, planning.phase(config, time.as_nanos()))
+        let mut planner = state.planner();
+        let rejection = planner.look(config, look, head, time.as_nanos());
+        (rejection, planner.phase(config, time.as_nanos()))
     };
     session.gaze.note_phase(look, phase, time);
     if let Some(reason) = rejection {
@@ -249,10 +249,10 @@ pub fn head_in_layer(
     }
 }
 
-/// Gives planning up when it panics, so that it does not do so in every frame.
-struct GiveUpOnPanic<'a>(&'a SessionPlan);
+/// Turns planning off after a panic, so that it does not recur in every frame.
+struct StopPlanningOnPanic<'a>(&'a SessionPlan);
 
-impl Drop for GiveUpOnPanic<'_> {
+impl Drop for StopPlanningOnPanic<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.0.thread.work_in_progress().fail();

@@ -4,7 +4,7 @@ use super::SERIAL;
 use crate::abi::attempt;
 use crate::config::ConfigSnapshot;
 use crate::link::FrameStart;
-use crate::planner::{Capabilities, Planning, View};
+use crate::planner::{Capabilities, SessionPlanner, View};
 use crate::xr::frame::{History, SortedTiles, sort_ahead};
 use crate::xr::vulkan_device::VulkanDevice;
 use glam::Quat;
@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 /// State that plans are made from, and the device that gets them.
 pub struct PlanWork {
     device: VulkanDevice,
-    planning: Mutex<Planning>,
+    planner: Mutex<SessionPlanner>,
     history: Mutex<History>,
     sorted: Mutex<SortedTiles>,
     has_failed: AtomicBool,
@@ -34,7 +34,7 @@ pub struct FrameTask {
     pub expected: SmallVec<[View; 4]>,
 }
 
-/// The inputs of a plan that [`Planning`] has not taken already.
+/// The inputs of a plan that [`SessionPlanner`] has not taken already.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanInputs {
     /// Whether images can be composed.
@@ -47,7 +47,7 @@ impl PlanWork {
     /// Without a frame, for a device.
     pub fn new(device: VulkanDevice) -> Self {
         Self {
-            planning: Mutex::new(Planning::new(Capabilities::from(&device.capabilities))),
+            planner: Mutex::new(SessionPlanner::new(Capabilities::from(&device.capabilities))),
             device,
             history: Mutex::default(),
             sorted: Mutex::default(),
@@ -56,8 +56,8 @@ impl PlanWork {
     }
 
     /// The planner, whether or not the plan of the frame is made.
-    pub fn planning(&self) -> MutexGuard<'_, Planning> {
-        self.planning.lock().unwrap_or_else(PoisonError::into_inner)
+    pub fn planner(&self) -> MutexGuard<'_, SessionPlanner> {
+        self.planner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The session's last pictures.
@@ -101,12 +101,12 @@ impl PlanWork {
         };
         let mut is_made = false;
         attempt("the plan of a frame", || {
-            let mut planning = self.planning();
-            if planning.plan(&task.config, can_attenuate, head, task.time_ns) {
+            let mut planner = self.planner();
+            if planner.plan(&task.config, can_attenuate, head, task.time_ns) {
                 let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
-                if let Some(record) = planning.new_rates(&task.config, serial) {
+                if let Some(record) = planner.new_rates(&task.config, serial) {
                     let start = FrameStart { settings: ptr::null(), plan: &record, awaited: ptr::null() };
-                    // SAFETY: the record points to `planning`'s memory, which is locked. The Vulkan half copies it, and makes no callbacks.
+                    // SAFETY: the record points to `planner`'s memory, which is locked. The Vulkan half copies it, and makes no callbacks.
                     unsafe { self.device.begin_frame(&start) };
                 }
             }

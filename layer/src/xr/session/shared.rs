@@ -23,14 +23,14 @@ pub unsafe fn on(device: &VulkanDevice) -> Result<Arc<Shared>, GpuError> {
     if let Some(known) = SHARED.get(handle) {
         return if known.is_given_up() { Err(GpuError::Abandoned) } else { Ok(known) };
     }
-    // SAFETY: the device is live, as `# Safety` demands; `when_it_ends` below registers for its end, or else all ends with the session.
+    // SAFETY: the device is live, as `# Safety` demands; `on_device_destroyed` below registers for its end, or else all ends with the session.
     let new = unsafe { Shared::new(&device.record) }?;
-    Ok(if device.when_it_ends(ended) { SHARED.get_or_insert(handle, new) } else { new })
+    Ok(if device.on_device_destroyed(ended) { SHARED.get_or_insert(handle, new) } else { new })
 }
 
 /// # Safety
 ///
-/// The device is live ([`DeviceEnds`](crate::link::DeviceEnds)).
+/// The device is live ([`DestroyDeviceCallback`](crate::link::DestroyDeviceCallback)).
 unsafe extern "C" fn ended(device: vk::Device) {
     guard(
         "the destruction of a device",

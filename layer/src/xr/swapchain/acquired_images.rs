@@ -47,22 +47,22 @@ mod tests {
 
     #[test]
     fn images_come_back_in_the_order_in_which_they_were_taken() {
-        let mut turns = AcquiredImages::default();
-        turns.released();
-        assert_eq!(turns.newest(), None);
+        let mut images = AcquiredImages::default();
+        images.released();
+        assert_eq!(images.newest(), None);
         for index in [2, 0, 1] {
-            turns.acquired(index);
+            images.acquired(index);
         }
-        assert_eq!(turns.newest(), None);
+        assert_eq!(images.newest(), None);
         for expected in [2, 0, 1] {
-            assert_eq!(turns.ready(), None, "not waited for");
-            turns.waited();
-            assert_eq!(turns.ready(), Some(expected));
-            turns.released();
-            assert_eq!(turns.newest(), Some(expected));
+            assert_eq!(images.ready(), None, "not waited for");
+            images.waited();
+            assert_eq!(images.ready(), Some(expected));
+            images.released();
+            assert_eq!(images.newest(), Some(expected));
         }
-        assert_eq!(turns.ready(), None);
-        turns.released();
-        assert_eq!(turns.newest(), Some(1), "one release too many");
+        assert_eq!(images.ready(), None);
+        images.released();
+        assert_eq!(images.newest(), Some(1), "one release too many");
     }
 }

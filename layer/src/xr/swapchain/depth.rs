@@ -14,9 +14,9 @@ use std::sync::{Arc, MutexGuard, PoisonError};
 #[derive(Default)]
 pub enum Depth {
     #[default]
-    NotYet,
-    Never,
-    There {
+    Unknown,
+    Unavailable,
+    Available {
         source: DepthSource,
         /// Number of the copy for the image that was released last; `None` if it has none.
         newest: Option<u64>,
@@ -26,14 +26,14 @@ pub enum Depth {
 impl Depth {
     /// Copies the depth of an image.
     fn with_copy(self, index: u32) -> Self {
-        let Self::There { source, .. } = self else { return self };
+        let Self::Available { source, .. } = self else { return self };
         match source.copy(index) {
-            Ok(turn) => Self::There { source, newest: Some(turn) },
-            // The device is behind: this picture goes without.
-            Err(GpuError::Timeout) => Self::There { source, newest: None },
+            Ok(copy) => Self::Available { source, newest: Some(copy) },
+            // The device is behind: this image has no depth copy.
+            Err(GpuError::Timeout) => Self::Available { source, newest: None },
             Err(error) => {
                 error.log("no reprojection with depth");
-                Self::Never
+                Self::Unavailable
             }
         }
     }
@@ -45,7 +45,7 @@ pub struct NewestDepth {
     /// The copies.
     pub kept: Arc<KeptDepth>,
     /// Number of its copy, counted from 1.
-    pub turn: u64,
+    pub copy: u64,
 }
 
 /// Whether the depth of a swapchain that is created so may be read: re-used tiles are followed by it as the head moves. Masks need depth
@@ -74,15 +74,15 @@ impl Swapchain {
         let config = active.plan.config();
         let is_of_use = active.health() == Health::Works && is_wanted(active, &config);
         let tools = active.made_tools().filter(|_| is_of_use);
-        let index = self.turns().ready();
+        let index = self.acquired_images().ready();
         // Never again after a panic.
-        let known = std::mem::replace(&mut *self.depth(), Depth::Never);
+        let known = std::mem::replace(&mut *self.depth(), Depth::Unavailable);
         let next = match (known, tools.zip(index)) {
-            (Depth::NotYet, Some((tools, index))) => self.make_depth(tools, &config).with_copy(index),
-            (Depth::There { source, .. }, Some((_, index))) => {
-                Depth::There { source, newest: None }.with_copy(index)
+            (Depth::Unknown, Some((tools, index))) => self.make_depth(tools, &config).with_copy(index),
+            (Depth::Available { source, .. }, Some((_, index))) => {
+                Depth::Available { source, newest: None }.with_copy(index)
             }
-            (Depth::There { source, .. }, None) => Depth::There { source, newest: None },
+            (Depth::Available { source, .. }, None) => Depth::Available { source, newest: None },
             (known, _) => known,
         };
         *self.depth() = next;
@@ -103,11 +103,11 @@ impl Swapchain {
                 tracing::info!(
                     "depth of {width}x{height}x{array_layers} {format:?}: used for reprojection of head movement"
                 );
-                Depth::There { source, newest: None }
+                Depth::Available { source, newest: None }
             }
             Err(reason) => {
                 tracing::info!("no reprojection with depth: {reason}");
-                Depth::Never
+                Depth::Unavailable
             }
         }
     }
@@ -115,16 +115,16 @@ impl Swapchain {
     /// The depth of the image that the application released last, if it was copied.
     pub(super) fn newest_depth(&self) -> Option<NewestDepth> {
         match &*self.depth() {
-            Depth::There { source, newest: Some(turn) } => {
-                Some(NewestDepth { kept: Arc::clone(source.kept()), turn: *turn })
+            Depth::Available { source, newest: Some(copy) } => {
+                Some(NewestDepth { kept: Arc::clone(source.kept()), copy: *copy })
             }
-            Depth::There { .. } | Depth::NotYet | Depth::Never => None,
+            Depth::Available { .. } | Depth::Unknown | Depth::Unavailable => None,
         }
     }
 
     /// Lets the runtime's images go, after the work of ours that uses them.
     pub(super) fn end_keeping_depth(&self) {
-        let depth = std::mem::replace(&mut *self.depth(), Depth::Never);
+        let depth = std::mem::replace(&mut *self.depth(), Depth::Unavailable);
         drop(depth);
     }
 

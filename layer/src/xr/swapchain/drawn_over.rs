@@ -10,25 +10,25 @@ use std::sync::{Arc, MutexGuard, PoisonError};
 #[derive(Default)]
 pub enum DrawnOver {
     #[default]
-    NotYet,
-    Never,
-    There(RuntimeImages),
+    Unknown,
+    Unavailable,
+    Available(RuntimeImages),
 }
 
 impl Swapchain {
     /// Calls `draw` with the runtime's images, and which of them the application is about to return; where nothing may be drawn over them,
     /// that is logged once.
     pub fn draw_over<T>(&self, gpu: &Arc<Gpu>, draw: impl FnOnce(&RuntimeImages, u32) -> T) -> Option<T> {
-        let index = self.turns().ready()?;
-        let is_new = matches!(*self.drawn_over(), DrawnOver::NotYet);
+        let index = self.acquired_images().ready()?;
+        let is_new = matches!(*self.drawn_over(), DrawnOver::Unknown);
         if is_new {
             // Made without the lock, which is not held across calls down.
             let made = self.make_drawn_over(gpu);
             *self.drawn_over() = made;
         }
         match &*self.drawn_over() {
-            DrawnOver::There(images) => Some(draw(images, index)),
-            DrawnOver::NotYet | DrawnOver::Never => None,
+            DrawnOver::Available(images) => Some(draw(images, index)),
+            DrawnOver::Unknown | DrawnOver::Unavailable => None,
         }
     }
 
@@ -41,20 +41,20 @@ impl Swapchain {
         };
         let (extent, layers) = self.description.extent_and_layers();
         match make() {
-            Ok(images) => DrawnOver::There(images),
+            Ok(images) => DrawnOver::Available(images),
             Err(reason) => {
                 let (width, height) = (extent.width, extent.height);
                 tracing::warn!(
                     "debug.view is not drawn on a swapchain of {width}x{height}x{layers}: {reason}"
                 );
-                DrawnOver::Never
+                DrawnOver::Unavailable
             }
         }
     }
 
     /// Lets the images go, after the work of ours that uses them.
     pub(super) fn end_drawing_over(&self) {
-        let images = std::mem::replace(&mut *self.drawn_over(), DrawnOver::Never);
+        let images = std::mem::replace(&mut *self.drawn_over(), DrawnOver::Unavailable);
         drop(images);
     }
 

@@ -8,7 +8,7 @@ use ash::vk;
 use openxr_sys as xr;
 use std::fmt;
 
-/// Why a swapchain is left as the application asked for it.
+/// Reason why a swapchain is left as the application asked for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NotSubstituted {
     /// Nothing in the configuration gives `compose` work.

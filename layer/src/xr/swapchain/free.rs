@@ -24,7 +24,7 @@ impl Swapchain {
     ) -> bool {
         let handle = substitute.app.images().get(image as usize).copied();
         let (Some(active), Some(handle)) = (&self.session.active, handle) else { return true };
-        if !active.device.is_used_beside(handle) {
+        if !active.device.is_used_on_other_queues(handle) {
             return true;
         }
         let allowed = match u64::try_from(timeout.as_nanos()) {

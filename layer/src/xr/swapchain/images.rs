@@ -140,7 +140,7 @@ pub unsafe extern "system" fn acquire_image(
             let result = answer.record(below());
             if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
                 // SAFETY: the call succeeded, so `index` is valid.
-                known.turns().acquired(unsafe { *index });
+                known.acquired_images().acquired(unsafe { *index });
             }
             return result;
         };
@@ -183,7 +183,7 @@ pub unsafe extern "system" fn wait_image(
             _ => below(),
         });
         if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
-            known.turns().waited();
+            known.acquired_images().waited();
         }
         result
     })
@@ -218,7 +218,7 @@ pub unsafe extern "system" fn release_image(
             }
             let result = answer.record(below());
             if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
-                known.turns().released();
+                known.acquired_images().released();
             }
             return result;
         };

@@ -1,7 +1,7 @@
 //! The images of a virtual swapchain as the application takes and returns them.
 //!
 //! Source: "Swapchain Image Management" of the OpenXR specification. Images are acquired, waited for and released in one order, so three
-//! counts are the whole state: turn `n` belongs to image `n % count`.
+//! counts are the whole state: acquisition `n` uses image `(n - 1) % count`.
 
 /// The call is not allowed in this state: `XR_ERROR_CALL_ORDER_INVALID`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,8 +81,8 @@ impl Ring {
         })
     }
 
-    /// Whether the picture of that release is intact. The next turn of its image is [`Self::count`] later; the picture is lost once that turn
-    /// was waited for.
+    /// Whether the picture of that release is intact. The next acquisition of its image is [`Self::count`] later; the picture is lost once
+    /// that image was waited for.
     pub fn is_intact(&self, release: u64) -> bool {
         self.waited < release + self.count
     }
@@ -97,8 +97,8 @@ impl Ring {
         self.shown = self.shown.max(release);
     }
 
-    fn image_of(&self, turn: u64) -> u32 {
-        ((turn - 1) % self.count) as u32
+    fn image_of(&self, acquisition: u64) -> u32 {
+        ((acquisition - 1) % self.count) as u32
     }
 }
 

@@ -39,7 +39,7 @@ pub struct Substitute {
 }
 
 impl Substitute {
-    /// Makes as many images as the runtime has, and at least `least` where their memory is no burden. The runtime's may be used for `granted`.
+    /// Makes as many images as the runtime has, and at least `least` where their memory is not a burden. The runtime's may be used for `granted`.
     ///
     /// # Errors
     ///

@@ -11,7 +11,7 @@ use super::fake::frames::{
     VIEWS, fov, pose,
 };
 use super::fake::vulkan_half::{
-    self, Crossing, DECISIONS, GPU_NS, PASSES, STALE_WORDS, UNFOLLOWED, calls, crossings,
+    self, Crossing, DECISIONS, GPU_NS, PASSES, STALE_WORDS, UNTRACKED_FRAMES, calls, crossings,
 };
 use super::{create_instance, fake};
 use crate::config::{Config, ConfigSnapshot, RatesBackend};

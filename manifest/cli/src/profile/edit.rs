@@ -12,7 +12,7 @@ pub enum Change<'a> {
     Unset,
 }
 
-/// Why a file cannot be changed.
+/// Reason why a file cannot be changed.
 #[derive(Debug, thiserror::Error)]
 pub enum EditError {
     /// It is not TOML.

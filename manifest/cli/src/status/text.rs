@@ -119,7 +119,7 @@ fn view(status: &Status) -> String {
     }
 }
 
-/// Why a requested view is not visible, as far as the status knows.
+/// Reason why a requested view is not visible, as far as the status knows.
 pub fn why_not_drawn(status: &Status) -> &'static str {
     match status.debug_view.name.as_str() {
         "gaze" if !status.gaze.is_valid => "no gaze",
@@ -148,7 +148,7 @@ fn slow(status: &Status) -> &'static str {
     }
 }
 
-/// The rate from which on samples of the gaze, one a frame, are no interruptions of each other, Hz: 1 s / 150 ms
+/// The rate from which on samples of the gaze, one a frame, are not interruptions of each other, Hz: 1 s / 150 ms
 /// (`parafovea_core::gaze`).
 const LEAST_GAZE_RATE_HZ: f32 = 6.7;
 

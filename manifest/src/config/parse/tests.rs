@@ -218,7 +218,7 @@ fn every_option_takes_its_default_and_its_bounds_and_nothing_beyond() {
                 vec!["\"-20, 20\"".into(), "\"0.25, -1.5\"".into()],
                 vec!["\"\"".into(), "\"0, 20.1\"".into(), "1.5".into()],
             ),
-            // An empty text is no rules, no names, ...: the one value that each such option takes.
+            // An empty text stands for no rules, no names, ...: the one value that each such option takes.
             Allowed::Text(_) => (vec!["\"\"".into()], vec!["1".into(), "true".into()]),
             Allowed::Choice(choices) => (
                 choices.iter().map(|(name, _)| format!("\"{name}\"")).collect(),

@@ -37,7 +37,7 @@ fn binary(line: &str, root: &Path) -> Option<Binary> {
     Some(Binary { label, path, folder, has_harness, is_unit })
 }
 
-/// The first value of that key; None if it is no string.
+/// The first value of that key; None if it is not a string.
 fn text(object: &str, key: &str) -> Option<String> {
     let rest = object.split_once(&format!("\"{key}\":\""))?.1;
     let mut value = String::new();

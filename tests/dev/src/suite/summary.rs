@@ -23,7 +23,7 @@ pub struct Done {
 }
 
 impl Done {
-    /// Why it counts as failed; None if it does not. Skipped tests that `cargo dev setup` should have made possible fail if
+    /// Reason why it counts as failed; None if it does not. Skipped tests that `cargo dev setup` should have made possible fail if
     /// that `is_strict`.
     pub fn failure(&self, is_strict: bool) -> Option<String> {
         match &self.ending {

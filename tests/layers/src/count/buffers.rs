@@ -41,7 +41,7 @@ struct Buffer {
 pub(super) struct Sums {
     /// Counts of each command buffer's queries, or its nanoseconds.
     pub by_submit: Vec<Counted>,
-    /// Why that is not all.
+    /// Reason why that is not all.
     pub reason: Option<String>,
     /// Primary command buffers executed.
     pub command_buffers: u64,

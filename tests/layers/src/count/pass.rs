@@ -60,7 +60,7 @@ unsafe fn end<L: Counting>(layer: &L, buffer: vk::CommandBuffer) {
     }
 }
 
-/// Why the draws of a pass cannot be counted that has secondary command buffers.
+/// Reason why the draws of a pass cannot be counted that has secondary command buffers.
 fn secondary<L: Counting>(layer: &L, contents: vk::SubpassContents) -> Option<&'static str> {
     let inherits = layer.counter().inherited_queries;
     (contents != vk::SubpassContents::INLINE && !inherits)

@@ -46,7 +46,7 @@ static DG2: LazyLock<ShadingRateDevice> = LazyLock::new(|| read(include_str!("..
 static NAVI31: LazyLock<ShadingRateDevice> =
     LazyLock::new(|| read(include_str!("../../profiles/navi31.json")));
 
-/// A test layer that cannot read its own data is no use: it ends the process.
+/// A test layer that cannot read its own data is useless: it ends the process.
 fn read(text: &str) -> ShadingRateDevice {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("tests/layers/profiles: {error}"))
 }

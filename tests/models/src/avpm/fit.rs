@@ -50,7 +50,7 @@ pub struct Fit {
     pub rows: usize,
 }
 
-/// Why a study does not determine the coefficients.
+/// Reason why a study does not determine the coefficients.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FitError {
     /// A feature or score is NaN or infinite, or gamma_fq is not above 0.
@@ -94,7 +94,7 @@ fn list(features: &[Feature]) -> String {
 /// Computed in double precision.
 ///
 /// # Errors
-/// Where the entries do not determine all four coefficients, or are no numbers: see [`FitError`].
+/// Where the entries do not determine all four coefficients, or are not numbers: see [`FitError`].
 pub fn fit(entries: &[Entry]) -> Result<Fit, FitError> {
     if let Some(index) = entries.iter().position(|entry| !usable(entry)) {
         return Err(FitError::NotFinite { index });

@@ -1,7 +1,7 @@
 //! Quality in just objectionable differences (JOD) by FovVideoVDP: the published program, at the true gaze.
 //!
 //! Mantiuk et al., "FovVideoVDP: A visible difference predictor for wide field-of-view video", ACM Transactions on Graphics
-//! 40(4), 2021; pyfvvdp on PyPI. 10 is no difference; at a difference of one, 75 % of people prefer the better clip. Its
+//! 40(4), 2021; pyfvvdp on PyPI. 10 means no difference; at a difference of one, 75 % of people prefer the better clip. Its
 //! licence is CC BY-NC 4.0: **not for commercial use**. It is neither part of this repository nor needed elsewhere in it:
 //! [`Fvvdp::of`] takes the Python environment of the user.
 
@@ -21,7 +21,7 @@ const SCRIPT: &str = include_str!("fvvdp.py");
 const ASK: &str =
     "import numpy, torch, pyfvvdp; from importlib.metadata import version; print(version('pyfvvdp'))";
 
-/// Why there is no JOD.
+/// Reason why there is no JOD.
 #[derive(Debug, thiserror::Error)]
 pub enum FvvdpError {
     /// A missing file or program.
@@ -29,7 +29,7 @@ pub enum FvvdpError {
     Io {
         /// The command.
         what: String,
-        /// Why it failed.
+        /// Cause of the failure.
         #[source]
         source: io::Error,
     },
@@ -67,7 +67,7 @@ pub struct Fvvdp {
 /// A figure of FovVideoVDP.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Jod {
-    /// 10 is no difference; lower is worse, without a limit.
+    /// 10 means no difference; lower is worse, without a limit.
     pub jod: f64,
     /// Version of the package.
     pub version: String,

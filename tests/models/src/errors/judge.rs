@@ -15,7 +15,7 @@ use crate::errors::temporal::Responses;
 use parafovea_core::image::Plane;
 use std::rc::Rc;
 
-/// Why a clip cannot be judged.
+/// Reason why a clip cannot be judged.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum JudgeError {
     /// White, contrast or refresh rate.

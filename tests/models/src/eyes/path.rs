@@ -188,7 +188,7 @@ impl EyePath {
         !self.is_blink(t) && t >= seen_from + delay_s
     }
 
-    /// When the lids are shut.
+    /// Times in which the lids are shut.
     pub fn blinks(&self) -> &[Range<f64>] {
         &self.blinks
     }

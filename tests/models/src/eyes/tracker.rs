@@ -97,7 +97,7 @@ impl TrackerModel {
     }
 }
 
-/// Seconds of a path on the clock of the samples, on which 0 is no time.
+/// Seconds of a path on the clock of the samples, on which 0 is not a time.
 pub fn nanoseconds(seconds: f64) -> i64 {
     1_000_000_000 + (seconds * 1e9) as i64
 }

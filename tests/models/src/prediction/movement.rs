@@ -37,7 +37,7 @@ pub enum Movement {
     Pursuit,
     /// A saccade is in flight, or landed no longer ago than 100 ms.
     Saccade {
-        /// When it began, seconds.
+        /// Time at which it began, seconds.
         begun_s: f64,
     },
 }

@@ -25,7 +25,7 @@ fn ages(reference: &Clip, test: &Clip) -> Vec<Option<[f64; 2]>> {
     (0..RINGS).map(|ring| Some([row(ring).mean?, row(ring).worst_tile.as_ref()?.value])).collect()
 }
 
-/// Content of equal age in both eyes is no disagreement, however old.
+/// Content of equal age in both eyes is not a disagreement, however old.
 #[test]
 fn eyes_that_age_together_agree() {
     let test = aged([16, 16], |_, frame, x, y| ((x + y) as usize + frame) as f32);

@@ -10,10 +10,10 @@ pub struct RatePoint {
     pub psnr_db: f64,
 }
 
-/// Why there is no figure.
+/// Reason for a missing figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BdRateError {
-    /// A size that has no logarithm, or a quality that is no number.
+    /// A size that has no logarithm, or a quality that is not a number.
     #[error("a point has no bits, or no finite quality")]
     Point,
     /// Two points of equal quality.

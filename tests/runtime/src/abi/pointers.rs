@@ -28,7 +28,7 @@ impl<T> Deref for Valid<'_, T> {
     }
 }
 
-/// More links than any chain has; a longer one is taken to be a circle.
+/// More links than any chain has; a longer one is taken to have a cycle.
 const MAX_LINKS: usize = 64;
 
 impl<T: Structure> In<T> {
@@ -49,7 +49,7 @@ impl<T> In<T> {
         self.0
     }
 
-    /// Target of a pointer that is no structure with a type.
+    /// Target of a pointer that is not a structure with a type.
     pub fn copied(&self, name: &str) -> Result<T, Fault>
     where
         T: Copy,

@@ -124,7 +124,7 @@ struct Texel {
     roughness: f32,
 }
 
-/// A repeating surface of something that is no metal; `depth` is how high the height field is, in repeats.
+/// A repeating surface of something that is not a metal; `depth` is how high the height field is, in repeats.
 fn surface(depth: f32, texel: impl Fn(f32, f32) -> Texel) -> Surface {
     surface_of_alpha(depth, 1.0, texel)
 }

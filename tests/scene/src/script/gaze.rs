@@ -169,7 +169,7 @@ impl TrueGaze {
         self.looks.windows(2).map(between).collect()
     }
 
-    /// When the lids are shut, seconds: 100 to 400 ms each.
+    /// Times in which the lids are shut, seconds: 100 to 400 ms each.
     pub fn blinks(&self) -> &[Range<f64>] {
         &self.blinks
     }
@@ -280,7 +280,7 @@ impl Builder<'_> {
         }
     }
 
-    /// When a saccade from a look to another target would land there, if the target suits.
+    /// Landing time of a saccade from a look to another target, if the target suits.
     fn landing(&self, look: &Look, target: usize, number: u32) -> Option<f64> {
         let next = self.targets[target];
         let view = |t: f64| self.head.at(t).view_of(next.at(t)).0;

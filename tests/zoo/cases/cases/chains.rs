@@ -17,7 +17,7 @@ const UNKNOWN: i32 = 1_999_000_000;
 /// Structures of a chain: a few, many, and more than a runtime follows.
 const LENGTHS: [usize; 3] = [3, 60, 400];
 
-/// Longer ones are circles in the runtime's eyes.
+/// Longer ones have a cycle in the runtime's eyes.
 const FOLLOWED: usize = 60;
 
 /// A structure that begins as all do.

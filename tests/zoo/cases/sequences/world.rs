@@ -15,7 +15,7 @@ use std::ptr::null;
 /// Calls of a sequence.
 const STEPS: usize = 40;
 
-/// The longest chain of unknown structures: longer ones are circles in the runtime's eyes.
+/// The longest chain of unknown structures: longer ones have a cycle in the runtime's eyes.
 const LONGEST_CHAIN: usize = 64;
 
 /// Numbers of structures that no extension has.

@@ -53,7 +53,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let spec = PassSpec::new(light.overwritten().sampled(), depth.depth_cleared(1.0));
     let scene = gpu.pass(Kind::RenderPass, spec)?;
     let foliage = Foliage::new(app, &scene.target)?;
-    // The history's pass has no map of its own, as it is no scene: where it obeys one, that is the scene's.
+    // The history's pass has no map of its own, as it is not a scene: where it obeys one, that is the scene's.
     let look = app.look.map(|look| anyhow::Ok((look, gpu.look_image(app.size)?)));
     let look: Option<(Look, Image)> = look.transpose()?;
     let eyes = [eye(app, &light, look.map(|(_, map)| map))?, eye(app, &light, look.map(|(_, map)| map))?];

@@ -19,10 +19,10 @@ const ROOM: usize = 1 << 16;
 /// The longest message that is taken.
 const LONGEST: usize = 1 << 20;
 
-/// The channel of messages that are no samples.
+/// The channel of messages that are not samples.
 const NO_CHANNEL: u32 = u32::MAX;
 
-/// Why a server is not listened to.
+/// Reason why a server is not listened to.
 #[derive(Debug, Error)]
 pub enum Fault {
     /// There is none.
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_no_server_there_is_none() {
+    fn a_missing_server_gives_no_connection() {
         let fault = Connection::open(Path::new("/nowhere/native"), Vec::new(), Duration::ZERO).err().unwrap();
         assert!(fault.is_absence());
     }

@@ -42,7 +42,7 @@ fn texels_are_16x16_where_the_device_has_them() {
 }
 
 #[test]
-fn what_the_specification_does_not_allow_is_refused() {
+fn invalid_capabilities_are_refused() {
     let refused = |properties: &Properties, sizes: &[[u32; 2]]| {
         RateCapabilities::new(properties, &rates(sizes)).is_err()
     };

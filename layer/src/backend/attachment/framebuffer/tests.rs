@@ -31,7 +31,7 @@ fn an_imageless_framebuffer_promises_one_image_more() {
         .push_next(&mut attachments);
     assert!(is_imageless(&info));
     let usage = vk::ImageUsageFlags::FRAGMENT_SHADING_RATE_ATTACHMENT_KHR | vk::ImageUsageFlags::TRANSFER_DST;
-    let promise = Promise { texels: [40, 30], layers: 2, usage };
+    let promise = ImagelessRateAttachment { texels: [40, 30], layers: 2, usage };
     let mut room = room::<8>();
     let mut copies = Copies::new(&mut room);
     // SAFETY: valid structures that outlive the copies.

@@ -75,7 +75,7 @@ fn the_second_kind_of_flags_counts() {
 }
 
 #[test]
-fn what_must_shade_every_pixel_keeps_its_rate() {
+fn per_pixel_effects_keep_1x1() {
     let stages = fragment_stage();
     let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages);
     let none = Effects::default();
@@ -97,7 +97,7 @@ fn what_must_shade_every_pixel_keeps_its_rate() {
 }
 
 #[test]
-fn what_the_device_allows_is_no_reason() {
+fn supported_effects_do_not_force_1x1() {
     let stages = fragment_stage();
     let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages);
     let mut capabilities = offered([16, 16]);
@@ -135,7 +135,7 @@ fn samples_that_are_shaded_or_too_many_keep_their_rate() {
 }
 
 #[test]
-fn where_nothing_is_rasterised_state_is_not_looked_at() {
+fn state_is_ignored_without_rasterisation() {
     let stages = fragment_stage();
     let discards = vk::PipelineRasterizationStateCreateInfo::default().rasterizer_discard_enable(true);
     let mut info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).rasterization_state(&discards);

@@ -100,7 +100,7 @@ fn discards_are_seen() {
 }
 
 #[test]
-fn what_is_not_understood_is_left_alone() {
+fn unknown_modules_stay_unchanged() {
     let before = code(SHADERS, (1, 3));
     assert_eq!(returning_early(&before, wanted("corner")), Err(NoEarlyReturn::Unknown), "a vertex shader");
     assert_eq!(returning_early(&before, wanted("none")), Err(NoEarlyReturn::Unknown));

@@ -11,13 +11,13 @@ struct Session {
     _folder: TempDir,
     environment: Environment,
     _status: StatusFile,
-    correcting: Arc<GazeCorrecting>,
+    correcting: Arc<SessionGazeCorrection>,
     requests: CorrectionRequests,
     time_ns: i64,
 }
 
-fn requests(environment: &Environment) -> (Arc<GazeCorrecting>, CorrectionRequests) {
-    let correcting = Arc::<GazeCorrecting>::default();
+fn requests(environment: &Environment) -> (Arc<SessionGazeCorrection>, CorrectionRequests) {
+    let correcting = Arc::<SessionGazeCorrection>::default();
     let requests = CorrectionRequests::new(environment, 7, "Headset".to_owned(), correcting.clone());
     (correcting, requests)
 }
@@ -34,7 +34,7 @@ impl Session {
     }
 
     /// Five seconds of a gaze; the corrected one.
-    fn look(&mut self, source: Holder, left_up: Option<[f32; 2]>) -> Look {
+    fn look(&mut self, source: ActiveGazeSource, left_up: Option<[f32; 2]>) -> Look {
         let mut corrected = Look::NoTracker;
         for _ in 0..450 {
             self.time_ns += FRAME_NS;
@@ -47,7 +47,12 @@ impl Session {
         corrected
     }
 
-    fn measure(&mut self, number: u64, source: Holder, left_up: Option<[f32; 2]>) -> CorrectionStatus {
+    fn measure(
+        &mut self,
+        number: u64,
+        source: ActiveGazeSource,
+        left_up: Option<[f32; 2]>,
+    ) -> CorrectionStatus {
         ask_measurement(&self.environment, 7, Some((GazeMeasurement::Recentre, number))).unwrap();
         let begun = self.requests.poll();
         assert!(begun.is_measuring && begun.number == number, "{begun:?}");
@@ -69,7 +74,7 @@ impl Session {
                 shown.push(dot);
             }
             let look = Look::At { direction: direction(tracker(dot)), sampled_ns: self.time_ns };
-            self.correcting.corrected(Holder::Eyes, look, self.time_ns);
+            self.correcting.corrected(ActiveGazeSource::Eyes, look, self.time_ns);
         }
         let done = self.requests.poll();
         assert!(!done.is_measuring && done.dot == 0, "{done:?}");
@@ -99,30 +104,33 @@ fn is_near(one: [f32; 2], other: [f32; 2]) -> bool {
 #[test]
 fn a_measured_offset_is_removed_in_this_session_and_in_later_ones_of_the_source() {
     let mut session = Session::new();
-    let done = session.measure(1, Holder::Eyes, Some([3.0, -1.0]));
+    let done = session.measure(1, ActiveGazeSource::Eyes, Some([3.0, -1.0]));
     assert_eq!((done.is_measuring, done.failure.as_str()), (false, ""));
     assert_eq!(done.correction.unwrap().offset_deg, [-3.0, 1.0]);
-    assert!(is_near(angles(session.look(Holder::Eyes, Some([3.0, -1.0]))), [0.0, 0.0]));
-    assert!(is_near(angles(session.look(Holder::Osc, Some([3.0, -1.0]))), [3.0, -1.0]), "another tracker");
+    assert!(is_near(angles(session.look(ActiveGazeSource::Eyes, Some([3.0, -1.0]))), [0.0, 0.0]));
+    assert!(
+        is_near(angles(session.look(ActiveGazeSource::Osc, Some([3.0, -1.0]))), [3.0, -1.0]),
+        "another tracker"
+    );
     let (correcting, _later) = requests(&session.environment);
     let look = Look::At { direction: direction([3.0, -1.0]), sampled_ns: 1 };
-    assert!(is_near(angles(correcting.corrected(Holder::Eyes, look, 1)), [0.0, 0.0]));
+    assert!(is_near(angles(correcting.corrected(ActiveGazeSource::Eyes, look, 1)), [0.0, 0.0]));
     // A second measurement is of the tracker itself, without the first correction.
-    let again = session.measure(2, Holder::Eyes, Some([3.5, -1.0]));
+    let again = session.measure(2, ActiveGazeSource::Eyes, Some([3.5, -1.0]));
     assert_eq!(again.correction.unwrap().offset_deg, [-3.5, 1.0]);
     // Reset, by another process.
     GazeCorrection::remove_all(&session.environment).unwrap();
     assert_eq!(session.requests.poll().correction, None);
-    assert!(is_near(angles(session.look(Holder::Eyes, Some([3.0, -1.0]))), [3.0, -1.0]));
+    assert!(is_near(angles(session.look(ActiveGazeSource::Eyes, Some([3.0, -1.0]))), [3.0, -1.0]));
 }
 
 #[test]
 fn a_failed_measurement_keeps_the_correction_and_says_why() {
     let mut session = Session::new();
-    session.measure(1, Holder::Osc, Some([1.0, 0.0]));
+    session.measure(1, ActiveGazeSource::Osc, Some([1.0, 0.0]));
     for (number, left_up, reason) in [(2, None, "did not see the eyes"), (3, Some([9.0, 9.0]), "13 degrees")]
     {
-        let failed = session.measure(number, Holder::Osc, left_up);
+        let failed = session.measure(number, ActiveGazeSource::Osc, left_up);
         assert!(failed.failure.contains(reason), "{failed:?}");
         assert_eq!(failed.correction.unwrap().offset_deg, [-1.0, 0.0]);
     }
@@ -130,32 +138,32 @@ fn a_failed_measurement_keeps_the_correction_and_says_why() {
     assert!(session.requests.poll().is_measuring);
     ask_measurement(&session.environment, 7, None).unwrap();
     assert!(!session.requests.poll().is_measuring);
-    session.look(Holder::Osc, Some([2.0, 0.0]));
+    session.look(ActiveGazeSource::Osc, Some([2.0, 0.0]));
     assert_eq!(session.requests.poll().correction.unwrap().offset_deg, [-1.0, 0.0], "it was withdrawn");
 }
 
 #[test]
 fn every_measured_offset_can_be_read_again() {
     let mut session = Session::new();
-    let done = session.measure(1, Holder::Eyes, Some([-9.99, 0.0]));
+    let done = session.measure(1, ActiveGazeSource::Eyes, Some([-9.99, 0.0]));
     assert_eq!(done.correction.unwrap().offset_deg, [9.99, 0.0]);
 }
 
 #[test]
 fn a_damaged_file_is_no_correction() {
     let mut session = Session::new();
-    session.measure(1, Holder::Eyes, Some([3.0, 0.0]));
+    session.measure(1, ActiveGazeSource::Eyes, Some([3.0, 0.0]));
     let file = GazeCorrection::file(&session.environment, "Headset").unwrap();
     fs::write(&file, "{").unwrap();
     assert_eq!(session.requests.poll().correction, None);
-    assert!(is_near(angles(session.look(Holder::Eyes, Some([3.0, 0.0]))), [3.0, 0.0]));
+    assert!(is_near(angles(session.look(ActiveGazeSource::Eyes, Some([3.0, 0.0]))), [3.0, 0.0]));
     assert!(session.requests.fault.contains("Headset.json: EOF"), "{}", session.requests.fault);
 }
 
 #[test]
 fn a_calibration_removes_a_distortion_and_an_offset_is_measured_after_it() {
     let mut session = Session::new();
-    session.measure(1, Holder::Eyes, Some([3.0, -1.0]));
+    session.measure(1, ActiveGazeSource::Eyes, Some([3.0, -1.0]));
     let done = session.calibrate(2, distorted);
     assert_eq!(done.failure, "");
     let correction = done.correction.unwrap();
@@ -164,16 +172,19 @@ fn a_calibration_removes_a_distortion_and_an_offset_is_measured_after_it() {
     assert!(calibration.error_before_deg > 1.0 && calibration.error_deg < 0.1, "{calibration:?}");
     let residual = |session: &mut Session, eyes: [f32; 2], slip: f32| {
         let [left, up] = distorted(eyes);
-        let [seen_left, seen_up] = angles(session.look(Holder::Eyes, Some([left + slip, up])));
+        let [seen_left, seen_up] = angles(session.look(ActiveGazeSource::Eyes, Some([left + slip, up])));
         (seen_left - eyes[0]).hypot(seen_up - eyes[1])
     };
     for eyes in [[0.0, 0.0], [8.0, -5.0], [-11.0, 8.0]] {
         assert!(residual(&mut session, eyes, 0.0) < 0.1);
     }
-    assert!(is_near(angles(session.look(Holder::Osc, Some([3.0, -1.0]))), [3.0, -1.0]), "another tracker");
+    assert!(
+        is_near(angles(session.look(ActiveGazeSource::Osc, Some([3.0, -1.0]))), [3.0, -1.0]),
+        "another tracker"
+    );
     // The headset slips.
     let [left, up] = distorted([0.0; 2]);
-    let recentred = session.measure(3, Holder::Eyes, Some([left + 1.5, up])).correction.unwrap();
+    let recentred = session.measure(3, ActiveGazeSource::Eyes, Some([left + 1.5, up])).correction.unwrap();
     assert_eq!(recentred.calibration, Some(calibration), "the calibration stays");
     for eyes in [[0.0, 0.0], [8.0, -5.0], [-9.0, 8.0]] {
         assert!(residual(&mut session, eyes, 1.5) < 0.1);
@@ -181,11 +192,11 @@ fn a_calibration_removes_a_distortion_and_an_offset_is_measured_after_it() {
     // A later session has both.
     let (correcting, _later) = requests(&session.environment);
     let look = Look::At { direction: direction([left + 1.5, up]), sampled_ns: 1 };
-    assert!(is_near(angles(correcting.corrected(Holder::Eyes, look, 1)), [0.0, 0.0]));
+    assert!(is_near(angles(correcting.corrected(ActiveGazeSource::Eyes, look, 1)), [0.0, 0.0]));
     // A reset removes both.
     GazeCorrection::remove_all(&session.environment).unwrap();
     assert_eq!(session.requests.poll().correction, None);
-    assert!(is_near(angles(session.look(Holder::Eyes, Some([3.0, -1.0]))), [3.0, -1.0]));
+    assert!(is_near(angles(session.look(ActiveGazeSource::Eyes, Some([3.0, -1.0]))), [3.0, -1.0]));
 }
 
 #[test]
@@ -206,7 +217,7 @@ fn an_implausible_calibration_is_ignored_with_its_fault() {
     damaged.calibration.as_mut().unwrap().coefficients_deg[0][5] = 900.0;
     damaged.write(&file).unwrap();
     assert_eq!(session.requests.poll().correction, None);
-    assert!(is_near(angles(session.look(Holder::Eyes, Some([3.0, 0.0]))), [3.0, 0.0]));
+    assert!(is_near(angles(session.look(ActiveGazeSource::Eyes, Some([3.0, 0.0]))), [3.0, 0.0]));
     assert!(
         session.requests.fault.contains("Headset.json: calibration: coefficients_deg: expected"),
         "{}",
@@ -224,8 +235,8 @@ fn a_slip_is_a_drift_until_the_eye_tracker_is_recentred() {
             let fixation = session.time_ns / (1_000_000_000 / 3);
             let [left, up] = [fixation % 7 - 3, fixation % 5 - 2].map(|step| step as f32 * 3.0);
             let look = Look::At { direction: direction([left + slip, up]), sampled_ns: session.time_ns };
-            let look = session.correcting.corrected(Holder::Eyes, look, session.time_ns);
-            session.correcting.note_phase(Holder::Eyes, look, GazePhase::Fixation, session.time_ns);
+            let look = session.correcting.corrected(ActiveGazeSource::Eyes, look, session.time_ns);
+            session.correcting.note_phase(ActiveGazeSource::Eyes, look, GazePhase::Fixation, session.time_ns);
         }
     };
     fixate(&mut session, 600, 0.0);
@@ -233,7 +244,7 @@ fn a_slip_is_a_drift_until_the_eye_tracker_is_recentred() {
     fixate(&mut session, 120, 3.0);
     let drift = session.correcting.drift_deg().unwrap();
     assert!((drift - 3.0).abs() < 0.2, "{drift}");
-    session.measure(1, Holder::Eyes, Some([3.0, 0.0]));
+    session.measure(1, ActiveGazeSource::Eyes, Some([3.0, 0.0]));
     assert_eq!(session.correcting.drift_deg(), None);
     fixate(&mut session, 600, 3.0);
     assert_eq!(session.correcting.drift_deg(), None);

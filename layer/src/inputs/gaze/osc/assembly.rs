@@ -36,7 +36,7 @@ pub struct OscCounts {
     pub other_senders: u64,
     /// Of these: older than the one before, by the sender's own time.
     pub late: u64,
-    /// Messages about the eyes that are no gaze: of other arguments, not finite, or out of reach.
+    /// Messages about the eyes that are not a gaze: of other arguments, not finite, or out of reach.
     pub implausible: u64,
     /// Intervals of time in which more packets arrived than are read.
     pub floods: u64,
@@ -49,7 +49,7 @@ pub struct OscLook {
     pub direction: Option<Vec3>,
     /// Rises with each new direction; 0: there was none yet.
     pub serial: u64,
-    /// When the newest direction came.
+    /// Time at which the newest direction came.
     pub received_ns: i64,
     /// Format of the addresses of its messages.
     pub format: Option<Format>,
@@ -72,7 +72,7 @@ pub struct OscGaze {
 #[derive(Clone, Debug)]
 struct Sender {
     address: SocketAddr,
-    /// When it said something about the eyes last.
+    /// Time at which it last sent a message about the eyes.
     received_ns: i64,
     /// The newest time tag.
     sent: Option<u64>,
@@ -278,7 +278,7 @@ impl Sender {
 /// Frequency of an event.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rate {
-    /// When the count began, and the count.
+    /// Time at which the count began, and the count.
     begun: Option<(i64, u32)>,
     hz: f32,
 }

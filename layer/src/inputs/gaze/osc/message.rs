@@ -110,11 +110,11 @@ pub struct Packet {
     pub sent: Option<u64>,
     /// Its messages about the eyes, in order.
     pub messages: SmallVec<[EyeMessage; 8]>,
-    /// Messages about the eyes whose arguments are no gaze: of another number or type, not finite, or out of reach.
+    /// Messages about the eyes whose arguments are not a gaze: of another number or type, not finite, or out of reach.
     pub implausible: u32,
 }
 
-/// Why bytes are no packet.
+/// Reason why bytes are not a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OscPacketError {
     /// More than [`MOST_BYTES`].
@@ -140,7 +140,7 @@ pub fn read(bytes: &[u8]) -> Result<Packet, OscPacketError> {
     let (_, decoded) = rosc::decoder::decode_udp(bytes).map_err(|_| OscPacketError::Malformed)?;
     if let OscPacket::Bundle(bundle) = &decoded {
         let sent = u64::from(bundle.timetag.seconds) << 32 | u64::from(bundle.timetag.fractional);
-        // 1: immediately. 0 is no time that a sender would mean.
+        // 1: immediately. 0 is not a time that a sender would mean.
         packet.sent = (sent > 1).then_some(sent);
     }
     // The depth is bounded by the size; a list of our own spares the stack nevertheless.

@@ -21,7 +21,7 @@ const RETRY: Duration = Duration::from_secs(5);
 pub struct OscSource {
     wanted: Option<SocketAddr>,
     listener: Option<Listener>,
-    /// Why there is no listener, and since when.
+    /// Reason why there is no listener, and its time.
     failure: Option<(ErrorKind, Instant)>,
     newest: Option<NewestGaze>,
     times: SampleTimes,
@@ -34,7 +34,7 @@ pub struct OscSource {
 pub struct OscStatus {
     /// Address at which it receives, or should; `None` if it should not.
     pub address: Option<SocketAddr>,
-    /// Why it does not.
+    /// Reason why it does not receive.
     pub failure: Option<ErrorKind>,
     /// Of the sender's messages.
     pub format: Option<Format>,

@@ -5,7 +5,7 @@ use ash::vk;
 use smallvec::{SmallVec, smallvec};
 use std::collections::HashMap;
 
-/// Pixels of an eye's picture.
+/// Pixels of an eye buffer.
 pub const EYE: [u32; 2] = [200, 240];
 
 pub const LDR: vk::Format = vk::Format::R8G8B8A8_SRGB;

@@ -78,7 +78,7 @@ fn a_render_area_that_moves_leaves_nothing_behind() {
 }
 
 #[test]
-fn where_a_pass_that_is_unknown_draws_over_the_scene_all_is_1x1() {
+fn an_unknown_pass_over_the_scene_sets_1x1() {
     let mut content = Content::default();
     note(&mut content, 1, AREA, &full());
     note(&mut content, 1, [10, 10, 5, 5], &[]);
@@ -99,10 +99,10 @@ fn many_rectangles_are_too_many() {
 }
 
 #[test]
-fn what_is_left_out_is_known_of_the_eyes_that_are_shown() {
+fn stale_tiles_are_known_for_shown_eyes() {
     let mut content = Content::default();
     note(&mut content, 1, AREA, &full());
-    assert!(!content.leaves_out());
+    assert!(!content.has_stale_tiles());
     uploaded(&mut content, 1);
     let [left, right] = content.stale();
     assert!(left.is_stale([0, 0]) && !left.is_stale([1, 0]) && right.is_empty());
@@ -113,7 +113,7 @@ fn what_is_left_out_is_known_of_the_eyes_that_are_shown() {
     note(&mut content, 3, [10, 10, 5, 5], &[]);
     assert_eq!(content.need(1), Need::Upload);
     uploaded(&mut content, 1);
-    assert!(!content.leaves_out(), "something else is drawn over it");
+    assert!(!content.has_stale_tiles(), "something else is drawn over it");
 }
 
 #[test]
@@ -131,11 +131,11 @@ fn a_target_on_two_queues_is_not_written_any_more_but_to_shade_all() {
     assert_eq!(content.need(1), Need::Upload);
     assert!(content.whole().1.is_empty());
     uploaded(&mut content, 1);
-    assert_eq!((content.need(2), content.leaves_out()), (Need::None, false));
+    assert_eq!((content.need(2), content.has_stale_tiles()), (Need::None, false));
 }
 
 #[test]
-fn what_is_on_the_gpu_already_is_no_news() {
+fn an_unchanged_map_is_not_uploaded() {
     let mut content = Content::initialised();
     let (some, others) = ([STALE, 0], [0, STALE]);
     assert!(content.resolve(AREA, &full(), &mut some.to_vec()));

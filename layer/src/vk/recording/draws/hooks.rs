@@ -1,6 +1,6 @@
 //! Hooks of draws. A draw of the pass that its thread records goes straight down once it is counted.
 
-use super::quick::quick;
+use super::cached_device::cached_device;
 use super::{Counted, Counts, count, count_tracked};
 use crate::vk::recording::with_buffer;
 use ash::vk;
@@ -18,7 +18,7 @@ macro_rules! draws {
         pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
             let counts = $counts;
             // SAFETY: the application's own command buffer, which is live.
-            if let Some(next) = unsafe { quick(handle) }.and_then(|armed| armed.next.$field)
+            if let Some(next) = unsafe { cached_device(handle) }.and_then(|armed| armed.next.$field)
                 && count(handle, counts) == Counted::Done
             {
                 // SAFETY: the application's own arguments.

@@ -32,13 +32,13 @@ fn draws_of_untracked_commands_need_no_look_up() {
         open.handle.set(5);
         open.forget_bound(5, true);
     });
-    assert_eq!(count(tracked, more), Counted::Untold);
+    assert_eq!(count(tracked, more), Counted::ReadsNotNoted);
     untracked_begins(untracked);
     assert_eq!([count(untracked, more), count(tracked, more)], [Counted::Done, Counted::Elsewhere]);
 }
 
 #[test]
-fn what_is_bound_is_told_once_by_kind_of_draw() {
+fn bound_sets_are_noted_once_per_kind_of_draw() {
     let this = vk::CommandBuffer::from_raw(3);
     let [quad, mesh] = [Counts::of(3, 1), Counts::of(30, 1)];
     OPEN.with(|open| {
@@ -47,12 +47,12 @@ fn what_is_bound_is_told_once_by_kind_of_draw() {
         assert_eq!(count(this, quad), Counted::Done, "nothing is bound");
         open.sets[2].set(77);
         open.is_bound_anew();
-        assert_eq!([count(this, quad), count(this, mesh)], [Counted::Untold; 2]);
-        open.told[0].set(true);
-        assert_eq!([count(this, quad), count(this, mesh)], [Counted::Done, Counted::Untold]);
+        assert_eq!([count(this, quad), count(this, mesh)], [Counted::ReadsNotNoted; 2]);
+        open.noted[0].set(true);
+        assert_eq!([count(this, quad), count(this, mesh)], [Counted::Done, Counted::ReadsNotNoted]);
         // The next pass goes on with it.
         open.draws_in(3);
-        assert_eq!(count(this, quad), Counted::Untold);
+        assert_eq!(count(this, quad), Counted::ReadsNotNoted);
         open.draws_in(4);
         assert!(open.is_unknown.get(), "of another command buffer nobody saw what is bound");
     });

@@ -181,7 +181,7 @@ fn bits_give_the_same_effects() {
 }
 
 #[test]
-fn what_is_not_known_is_taken_for_the_worst() {
+fn unknown_code_has_all_effects() {
     let shaders = FragmentShaders::read(&shader(&[], &[], &[], &[])).unwrap();
     assert_eq!(shaders.effects("other"), Effects::UNKNOWN);
     assert_eq!(FragmentShaders::read(&[]), None);

@@ -3,17 +3,17 @@
 //! as expected, and sorts the tiles itself if not: the result is the same.
 
 use super::lists::EyeLists;
-use super::{Completing, Kept};
+use super::{CompletionSettings, Kept};
 use crate::planner;
 use crate::planner::Watched;
 use glam::{Quat, Vec2};
 use parafovea_core::geometry::{ImagePlane, View};
 use parafovea_core::reuse::{Picture, StaleTiles, Viewpoint};
 
-/// The expected next picture of an eye.
+/// The expected next eye buffer of an eye.
 pub struct Expected<'a> {
     /// Settings of its completion.
-    pub how: Completing,
+    pub settings: CompletionSettings,
     /// The directions to compare with earlier pictures.
     pub watched: Option<Watched>,
     /// Pose and field of view; the image has the size of the last one.
@@ -28,11 +28,11 @@ pub struct SortedTiles {
     eyes: [EyeTiles; 2],
 }
 
-/// The tiles of the expected picture of an eye, and their input.
+/// The tiles of the expected eye buffer of an eye, and their input.
 #[derive(Debug, Default)]
 struct EyeTiles {
     /// `None` without an expected picture.
-    how: Option<Completing>,
+    settings: Option<CompletionSettings>,
     watched: Option<Watched>,
     /// The newest first; entries from `len` on are spare memory.
     pictures: Vec<Input>,
@@ -54,23 +54,24 @@ struct Input {
 impl SortedTiles {
     /// Sorts the tiles of the pictures that `expect` sets.
     pub fn update(&mut self, expect: impl FnOnce(&mut Self)) {
-        self.eyes.iter_mut().for_each(|eye| eye.how = None);
+        self.eyes.iter_mut().for_each(|eye| eye.settings = None);
         expect(self);
         for eye in &mut self.eyes {
-            if let Some(how) = eye.how {
+            if let Some(settings) = eye.settings {
                 let pictures = eye.pictures[..eye.len].iter().map(Input::picture);
-                eye.lists.update(pictures, how, eye.watched.as_ref());
+                eye.lists.update(pictures, settings, eye.watched.as_ref());
             }
         }
     }
 
-    /// Expects another picture of an eye after `pictures`, of which as many will be given up as `lost` were with the last one.
+    /// Expects another eye buffer of an eye after `pictures`, of which as many will be given up as `lost` were with the last one.
     pub(super) fn expect(&mut self, eye: usize, pictures: &[Kept], lost: usize, expected: Expected) {
         let Some(last) = pictures.first() else { return };
         let eye = &mut self.eyes[eye];
-        let Expected { how, watched, view: planner::View { orientation, position, fov }, stale } = expected;
+        let Expected { settings, watched, view: planner::View { orientation, position, fov }, stale } =
+            expected;
         let earlier = &pictures[..pictures.len().saturating_sub(lost)];
-        (eye.how, eye.watched, eye.len) = (Some(how), watched, 1 + earlier.len());
+        (eye.settings, eye.watched, eye.len) = (Some(settings), watched, 1 + earlier.len());
         // The picture that was the newest is second now, and all others follow it. Pictures that are already in place need no copy.
         eye.pictures.resize_with(eye.pictures.len().max(eye.len), Input::default);
         eye.pictures.rotate_right(1);
@@ -93,7 +94,7 @@ impl SortedTiles {
         &mut self,
         eye: usize,
         pictures: &[Kept],
-        how: Completing,
+        settings: CompletionSettings,
         watched: Option<&Watched>,
         lists: &mut EyeLists,
     ) -> bool {
@@ -106,12 +107,12 @@ impl SortedTiles {
                     _ => input.number == kept.number,
                 }
         };
-        let is_known = eye.how == Some(how)
+        let is_known = eye.settings == Some(settings)
             && eye.watched.as_ref() == watched
             && inputs.len() == pictures.len()
             && inputs.iter().zip(pictures).enumerate().all(is_same);
         if is_known {
-            eye.how = None;
+            eye.settings = None;
             std::mem::swap(lists, &mut eye.lists);
         }
         is_known

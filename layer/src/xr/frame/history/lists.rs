@@ -1,12 +1,12 @@
-//! Tiles that a picture of an eye takes from earlier ones, and tiles that are compared with them.
+//! Tiles that an eye buffer takes from earlier ones, and tiles that are compared with them.
 
-use super::Completing;
+use super::CompletionSettings;
 use crate::planner::Watched;
 use glam::Vec2;
 use parafovea_core::geometry::ImagePlane;
 use parafovea_core::reuse::{ComparedTiles, Picture, Reuse, TileLists};
 
-/// The tiles of the newest picture of an eye, by their treatment.
+/// The tiles of the newest eye buffer of an eye, by their treatment.
 #[derive(Debug, Default)]
 pub(super) struct EyeLists {
     /// Tiles by their source; empty if the picture is whole.
@@ -17,23 +17,23 @@ pub(super) struct EyeLists {
 
 impl EyeLists {
     /// Sorts the tiles of the first of `pictures`, which come newest first. Compared tiles are rendered tiles with a watched middle; there
-    /// are none if `how` does not turn pictures.
+    /// are none if `settings` do not turn pictures.
     pub(super) fn update<'a>(
         &mut self,
         pictures: impl Iterator<Item = Picture<'a>> + Clone,
-        how: Completing,
+        settings: CompletionSettings,
         watched: Option<&Watched>,
     ) {
-        match reuse(pictures.clone(), how) {
-            Some(reuse) => self.lists.update(&reuse, how.border_of(&reuse), how.oldest),
+        match reuse(pictures.clone(), settings) {
+            Some(reuse) => self.lists.update(&reuse, settings.border_of(&reuse), settings.oldest),
             None => self.lists.clear(),
         }
         self.compared.clear();
         let mut pictures = pictures;
-        if let (Some(newest), Some(watched), true) = (pictures.next(), watched, how.turns) {
-            let reuse = Reuse::new(newest, pictures, how.turns);
+        if let (Some(newest), Some(watched), true) = (pictures.next(), watched, settings.turns) {
+            let reuse = Reuse::new(newest, pictures, settings.turns);
             let plane = of_tiles(&reuse);
-            self.compared.update(&reuse, how.oldest, |[column, row]| {
+            self.compared.update(&reuse, settings.oldest, |[column, row]| {
                 watched.is_watched(plane.direction(Vec2::new(column as f32, row as f32) + 0.5))
             });
         }
@@ -49,8 +49,8 @@ pub(super) fn of_tiles(reuse: &Reuse) -> ImagePlane {
 /// Of pictures, the newest first, where something of that is stale.
 pub(super) fn reuse<'a>(
     mut pictures: impl Iterator<Item = Picture<'a>>,
-    how: Completing,
+    settings: CompletionSettings,
 ) -> Option<Reuse<'a>> {
     let newest = pictures.next()?;
-    (!newest.stale.is_empty()).then(|| Reuse::new(newest, pictures, how.turns))
+    (!newest.stale.is_empty()).then(|| Reuse::new(newest, pictures, settings.turns))
 }

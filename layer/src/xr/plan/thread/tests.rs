@@ -20,7 +20,7 @@ fn thread() -> PlanThread {
     let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
     let thread = PlanThread::new(PlanWork::new(device));
     let shown = ShownView { view: VIEW, extent: [512; 2] };
-    thread.work().planning().views.shown(&[shown; 2]);
+    thread.work().planner().views.shown(&[shown; 2]);
     thread
 }
 
@@ -33,11 +33,11 @@ fn task(config: &Arc<ConfigSnapshot>, frame: i64, expected: SmallVec<[View; 4]>)
 fn frames(thread: &PlanThread, first: i64, pause: Duration) {
     let config = Arc::new(ConfigSnapshot::of_tests(Config::default()));
     for frame in first..first + 40 {
-        thread.work().planning().frame_begins(frame * FRAME_NS, 1);
-        assert!(!thread.work().planning().is_planned(), "frame {frame}");
+        thread.work().planner().frame_begins(frame * FRAME_NS, 1);
+        assert!(!thread.work().planner().is_planned(), "frame {frame}");
         thread.begin(task(&config, frame, smallvec![VIEW; 2]));
         std::thread::sleep(pause);
-        assert!(thread.work().planning().is_planned(), "frame {frame}");
+        assert!(thread.work().planner().is_planned(), "frame {frame}");
         thread.finish_sorting();
         assert!(matches!(*thread.shared.lock(), Stage::Idle), "frame {frame}");
     }
@@ -56,11 +56,11 @@ fn several_threads_may_need_a_plan() {
     let thread = thread();
     let config = Arc::new(ConfigSnapshot::of_tests(Config::default()));
     for frame in 1..=40 {
-        thread.work().planning().frame_begins(frame * FRAME_NS, 1);
+        thread.work().planner().frame_begins(frame * FRAME_NS, 1);
         thread.begin(task(&config, frame, SmallVec::new()));
         std::thread::scope(|scope| {
             for _ in 0..4 {
-                scope.spawn(|| assert!(thread.work().planning().is_planned(), "frame {frame}"));
+                scope.spawn(|| assert!(thread.work().planner().is_planned(), "frame {frame}"));
             }
         });
     }
@@ -73,9 +73,9 @@ fn a_session_that_ended_plans_on_the_calling_thread() {
     thread.end();
     thread.end();
     let config = Arc::new(ConfigSnapshot::of_tests(Config::default()));
-    thread.work().planning().frame_begins(41 * FRAME_NS, 1);
+    thread.work().planner().frame_begins(41 * FRAME_NS, 1);
     thread.begin(task(&config, 41, SmallVec::new()));
-    assert!(thread.shared.work.planning().is_planned());
+    assert!(thread.shared.work.planner().is_planned());
 }
 
 #[test]
@@ -83,8 +83,8 @@ fn planning_that_failed_is_not_tried_again() {
     let thread = thread();
     let config = Arc::new(ConfigSnapshot::of_tests(Config::default()));
     thread.work().fail();
-    thread.work().planning().frame_begins(FRAME_NS, 1);
+    thread.work().planner().frame_begins(FRAME_NS, 1);
     thread.begin(task(&config, 1, smallvec![VIEW; 2]));
     thread.finish_sorting();
-    assert!(!thread.work().planning().is_planned());
+    assert!(!thread.work().planner().is_planned());
 }

@@ -31,7 +31,7 @@ fn an_ordinary_swapchain_keeps_its_shape() {
 }
 
 #[test]
-fn what_cannot_be_copied_whole_is_left_alone() {
+fn swapchains_that_cannot_be_copied_stay_unchanged() {
     let refused = |change: fn(&mut xr::SwapchainCreateInfo)| {
         let mut info = info();
         change(&mut info);
@@ -71,7 +71,7 @@ fn a_format_list_is_read_and_nothing_else_is_taken() {
     assert!(matches!(shape_of(&chained(&list)).unwrap_err(), NotSubstituted::Chain(_)));
     list.ty = xr::VulkanSwapchainFormatListCreateInfoKHR::TYPE;
     list.next = (&raw const list).cast();
-    assert!(matches!(shape_of(&chained(&list)).unwrap_err(), NotSubstituted::Chain(_)), "a circle");
+    assert!(matches!(shape_of(&chained(&list)).unwrap_err(), NotSubstituted::Chain(_)), "a cycle");
 }
 
 #[test]

@@ -2,9 +2,10 @@
 
 use crate::config::Arming;
 use crate::link::{
-    AwaitedPlan, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord,
-    FrameReportRecord, FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES, PictureRecord,
-    PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
+    AwaitedPlan, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback,
+    DeviceRecord, EyeBufferRecord, FrameReportRecord, FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable,
+    MOST_FRAME_TIMES, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
+    SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -30,8 +31,8 @@ thread_local! {
     /// Whether a GPU renders, and its time for a frame, nanoseconds: without rates and with them.
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
     /// Frames from the next one on that are not followed.
-    pub static UNFOLLOWED: Cell<u32> = const { Cell::new(0) };
-    /// Stale tiles of the right eye's pictures, in rows of 32 tiles.
+    pub static UNTRACKED_FRAMES: Cell<u32> = const { Cell::new(0) };
+    /// Stale tiles of the right eye buffers, in rows of 32 tiles.
     pub static STALE_WORDS: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
     /// Decisions of this half: number of the topic, line and reason.
     pub static DECISIONS: RefCell<Vec<(u32, &'static str, &'static str)>> = const { RefCell::new(Vec::new()) };
@@ -87,13 +88,13 @@ pub fn table() -> LinkTable {
         capabilities,
         swapchain,
         begin_frame,
-        picture,
+        eye_buffer,
         end_frame,
         stale,
         copy_rates,
-        when_it_ends,
+        on_device_destroyed,
         layout,
-        is_used_beside,
+        is_used_on_other_queues,
         decision,
     }
 }
@@ -173,8 +174,8 @@ unsafe extern "C" fn layout(_: vk::Device, _: vk::Image) -> vk::ImageLayout {
 /// # Safety
 ///
 /// As the call.
-unsafe extern "C" fn is_used_beside(_: vk::Device, _: vk::Image, _: *const [u32; 2]) -> u32 {
-    note("is_used_beside");
+unsafe extern "C" fn is_used_on_other_queues(_: vk::Device, _: vk::Image, _: *const [u32; 2]) -> u32 {
+    note("is_used_on_other_queues");
     0
 }
 
@@ -198,7 +199,7 @@ unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
 /// # Safety
 ///
 /// As the call.
-unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {
+unsafe extern "C" fn on_device_destroyed(_: vk::Device, _: DestroyDeviceCallback) -> u32 {
     0
 }
 
@@ -270,8 +271,8 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
 /// # Safety
 ///
 /// As the call.
-unsafe extern "C" fn picture(_: vk::Device, _: *const PictureRecord) {
-    note("picture");
+unsafe extern "C" fn eye_buffer(_: vk::Device, _: *const EyeBufferRecord) {
+    note("eye_buffer");
 }
 
 /// # Safety
@@ -284,7 +285,7 @@ unsafe extern "C" fn end_frame(
 ) -> u32 {
     note("end_frame");
     // SAFETY: the other half passes a valid record.
-    FRAMES.set(FRAMES.get() + 1 + u64::from(unsafe { (*submission).unnoticed }));
+    FRAMES.set(FRAMES.get() + 1 + u64::from(unsafe { (*submission).skipped_frames }));
     if let Some(ns) = GPU_NS.get() {
         let ns = ns[usize::from(IS_ON.get())];
         TIMES.with_borrow_mut(|times| {
@@ -304,7 +305,7 @@ unsafe extern "C" fn end_frame(
     report.frame = FRAMES.get();
     report.passes_with_rates = if IS_ON.get() { PASSES.get() } else { 0 };
     report.eye_passes = PASSES.get();
-    report.unfollowed = UNFOLLOWED.get();
+    report.untracked_frames = UNTRACKED_FRAMES.get();
     report.decisions = DECISIONS.with_borrow(Vec::len) as u32;
     TIMES.with_borrow_mut(|times| {
         let is_old = |time: &&FrameTimeRecord| time.frame + 2 <= FRAMES.get();

@@ -66,11 +66,11 @@ fn frames_go_by_unnoticed_while_every_technique_is_dropped() {
     let hz = || {
         let mut snapshot = StatusSnapshot::default();
         let active = session.active.as_ref().unwrap();
-        active.plan.planning().write_status(&Config::default(), &mut snapshot);
+        active.plan.planner().write_status(&Config::default(), &mut snapshot);
         snapshot.frame_rate_hz
     };
     let before = hz();
-    UNFOLLOWED.set(30);
+    UNTRACKED_FRAMES.set(30);
     assert_eq!(noticed(&application, 1), [1; 2]);
     assert_eq!(noticed(&application, 29), [0; 2]);
     assert_eq!(noticed(&application, 1), [1; 2]);
@@ -83,19 +83,19 @@ fn frames_go_by_unnoticed_while_every_technique_is_dropped() {
     watched.is_gaze_watched = true;
     session.instance.config.set_snapshot(watched);
     assert_eq!(noticed(&application, 90), [90; 2]);
-    UNFOLLOWED.set(0);
+    UNTRACKED_FRAMES.set(0);
     GPU_NS.set(None);
 }
 
 #[test]
 fn no_frame_goes_by_unnoticed_while_rates_are_on() {
-    UNFOLLOWED.set(30);
+    UNTRACKED_FRAMES.set(30);
     GPU_NS.set(Some([5_000_000, 3_000_000]));
     PASSES.set(2);
     let application = Application::new();
     look(0.0);
     assert_eq!(noticed(&application, 400)[1], 400);
-    UNFOLLOWED.set(0);
+    UNTRACKED_FRAMES.set(0);
     GPU_NS.set(None);
 }
 
@@ -113,7 +113,7 @@ fn a_report_has_the_stale_tiles_of_each_eye() {
             flat_count: 0,
             depth: ptr::null(),
             depth_count: 0,
-            unnoticed: 0,
+            skipped_frames: 0,
         };
         // SAFETY: a submission of no layers.
         unsafe { device.end_frame(&nothing, &mut report) };

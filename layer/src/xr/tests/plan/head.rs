@@ -30,8 +30,8 @@ fn turning_frames(application: &Application, count: i32) -> (usize, f32) {
     for frame in 0..count {
         HEAD.set(Quat::from_rotation_y(0.02 * frame as f32) * Quat::from_rotation_x(0.2));
         application.frame();
-        let planning = session.active.as_ref().unwrap().plan.planning();
-        let planned = planning.head_at(DISPLAY_TIME.get()).unwrap();
+        let planner = session.active.as_ref().unwrap().plan.planner();
+        let planned = planner.head_at(DISPLAY_TIME.get()).unwrap();
         worst_deg = worst_deg.max(planned.angle_between(HEAD.get()).to_degrees());
     }
     (HEAD_LOCATED.get(), worst_deg)

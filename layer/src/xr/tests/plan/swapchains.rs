@@ -35,7 +35,7 @@ fn images_are_told_once_and_their_end_before_it_comes() {
 }
 
 #[test]
-fn what_is_shown_is_told_with_the_image_that_was_released_last() {
+fn submissions_name_the_image_released_last() {
     let application = Application::new();
     let ui = create_swapchain(application.session, xr::SwapchainUsageFlags::COLOR_ATTACHMENT, 64);
     let depth_usage = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT;

@@ -43,7 +43,7 @@ fn clips_that_cannot_be_compared_are_refused() {
 }
 
 #[test]
-fn what_a_python_lacks_is_said_before_anything_is_measured() {
+fn missing_python_modules_are_reported_first() {
     let reason = |path: &Path| match Fvvdp::of(path).unwrap_err() {
         FvvdpError::Python { python, reason } if python == path => reason,
         other => panic!("{other}"),

@@ -1,4 +1,4 @@
-//! When action sets are made and attached.
+//! Creation and attachment of action sets, at several times.
 
 use super::{LOADING, Outcome, PLAYED, show};
 use crate::app::App;

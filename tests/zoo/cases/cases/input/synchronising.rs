@@ -1,4 +1,4 @@
-//! When actions are synchronised, and which.
+//! Synchronisation of actions: its time, and its action sets.
 
 use super::{LOADING, Outcome, PLAYED, show};
 use crate::app::App;

@@ -138,7 +138,7 @@ fn attachments_subpasses_and_dependencies_are_the_same() {
 }
 
 #[test]
-fn what_the_chain_says_of_views_and_aspects_is_in_the_structures() {
+fn views_and_aspects_of_the_chain_are_converted() {
     let aspects = [vk::InputAttachmentAspectReference {
         subpass: 1,
         input_attachment_index: 1,

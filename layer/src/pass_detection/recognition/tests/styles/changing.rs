@@ -21,7 +21,7 @@ fn frames_that_show_nothing_change_nothing() {
 }
 
 #[test]
-fn what_is_no_longer_copied_is_given_up_some_time_later() {
+fn a_source_without_copies_is_dropped_after_a_delay() {
     let mut app = Application::default();
     let eyes = app.eyes();
     let image = app.image(EYE, LDR);
@@ -40,7 +40,7 @@ fn what_is_no_longer_copied_is_given_up_some_time_later() {
 
 /// The same at the end of a chain, whose middle no pass draws.
 #[test]
-fn what_is_no_longer_copied_on_is_given_up_some_time_later() {
+fn an_intermediate_without_copies_is_dropped_after_a_delay() {
     let mut app = Application::default();
     let eyes = app.eyes();
     let (image, middle) = (app.image(EYE, LDR), app.image(EYE, LDR));

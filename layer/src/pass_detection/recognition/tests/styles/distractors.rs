@@ -105,7 +105,7 @@ fn an_interface_in_a_quad() {
 
 /// Shown both ways it is not the scene, at once, and also in the frames between.
 #[test]
-fn what_turns_up_in_a_quad_is_given_up_at_once() {
+fn an_image_in_a_quad_is_dropped_at_once() {
     let mut app = Application::default();
     let eyes = app.eyes();
     app.run(12, |app| {

@@ -109,7 +109,7 @@ fn pictures_of_one_frame() {
     assert_eq!([straight, tone_mapped, bindless], [Feedback::None; 3]);
 }
 
-/// Exposure is one number of a picture; a mirror's history is no eye's.
+/// Exposure is one number of a picture; a mirror's history belongs to no eye.
 #[test]
 fn histories_of_other_things() {
     let exposed = of_frames(|app, eye, shown| {

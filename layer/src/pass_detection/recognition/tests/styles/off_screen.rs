@@ -1,4 +1,4 @@
-//! The scene is drawn off-screen, and a pass or a resolve makes the eyes' pictures of it.
+//! The scene is drawn off-screen, and a pass or a resolve makes the eye buffers of it.
 
 use super::super::application::*;
 use super::{BOTH_LAYERS, HALVES, WIDE, array_shown, wide_shown};

@@ -156,7 +156,7 @@ fn new_images_each_frame_upscaled_from_little() {
     app.expect("scene", &transferred(Eyes::Left));
 }
 
-/// The same command buffers for each image of the ring, recorded once: as passes they are no different.
+/// The same command buffers for each image of the ring, recorded once: as passes they do not differ.
 #[test]
 fn a_ring_of_images_of_its_own() {
     let mut app = Application::default();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::xr::frame::history::{History, ShownPicture};
+use crate::xr::frame::history::{History, ShownEyeBuffer};
 use ash::vk;
 use glam::Vec3;
 use openxr_sys::{self as xr, Handle};
@@ -20,8 +20,8 @@ fn view(number: u64) -> planner::View {
     }
 }
 
-fn shown(number: u64, view: planner::View) -> ShownPicture {
-    ShownPicture {
+fn shown(number: u64, view: planner::View) -> ShownEyeBuffer {
+    ShownEyeBuffer {
         substitute: 1,
         space: xr::Space::from_raw(7),
         time: xr::Time::from_nanos(number as i64 * 11_111_111),
@@ -47,8 +47,8 @@ fn stale(number: u64) -> impl Fn(&mut StaleTiles) {
 
 /// A frame's lists, as words: of fresh, full, partial and seam tiles, and of compared tiles.
 fn lists(history: &History) -> Vec<Vec<u32>> {
-    let region = history.region(0, Completing::TURNED);
-    let changes = history.changes(0, Completing::TURNED, Quat::IDENTITY);
+    let region = history.region(0, CompletionSettings::TURNED);
+    let changes = history.changes(0, CompletionSettings::TURNED, Quat::IDENTITY);
     let sorted = region.iter().flat_map(|region| {
         let TileLists { fresh, full, partial, seam, .. } = region.lists;
         let of_ages = full.iter().chain(partial).chain(seam.as_flattened());
@@ -65,13 +65,13 @@ fn taken(
     expected: impl Fn(u64) -> (u64, planner::View),
     ended: impl Fn(u64) -> (u64, planner::View),
 ) -> Vec<bool> {
-    let (how, watched) = (Completing::TURNED, Watched::beyond(2.0, Vec3::NEG_Z));
+    let (settings, watched) = (CompletionSettings::TURNED, Watched::beyond(2.0, Vec3::NEG_Z));
     let [mut history, mut alone] = [History::default(), History::default()];
     let mut sorted = SortedTiles::default();
     let frame = |number: u64| {
         sorted.update(|sorted| {
             let (pattern, view) = expected(number);
-            let expected = Expected { how, watched: Some(watched), view, stale: &stale(pattern) };
+            let expected = Expected { settings, watched: Some(watched), view, stale: &stale(pattern) };
             history.expect(0, sorted, expected);
         });
         let (pattern, view) = ended(number);
@@ -79,10 +79,10 @@ fn taken(
         for history in [&mut history, &mut alone] {
             history.show(0, Some((&shown(number, view), None)), is_intact, stale(pattern));
         }
-        let was_expected = sorted.eyes[0].how.is_some();
-        history.complete(0, how, Some(&watched), Some(&mut sorted));
-        let is_taken = was_expected && sorted.eyes[0].how.is_none();
-        alone.complete(0, how, Some(&watched), None);
+        let was_expected = sorted.eyes[0].settings.is_some();
+        history.complete(0, settings, Some(&watched), Some(&mut sorted));
+        let is_taken = was_expected && sorted.eyes[0].settings.is_none();
+        alone.complete(0, settings, Some(&watched), None);
         assert_eq!(lists(&history), lists(&alone), "frame {number}");
         is_taken
     };
@@ -111,19 +111,19 @@ fn a_frame_that_is_another_is_worked_out_anew() {
 
 #[test]
 fn tiles_are_taken_once() {
-    let (how, watched) = (Completing::TURNED, Watched::beyond(2.0, Vec3::NEG_Z));
+    let (settings, watched) = (CompletionSettings::TURNED, Watched::beyond(2.0, Vec3::NEG_Z));
     let mut history = History::default();
     let mut sorted = SortedTiles::default();
     for number in 1..=8 {
         sorted.update(|sorted| {
             let expected =
-                Expected { how, watched: Some(watched), view: view(number), stale: &stale(number) };
+                Expected { settings, watched: Some(watched), view: view(number), stale: &stale(number) };
             history.expect(0, sorted, expected);
         });
         history.show(0, Some((&shown(number, view(number)), None)), |_| true, stale(number));
-        history.complete(0, how, Some(&watched), Some(&mut sorted));
+        history.complete(0, settings, Some(&watched), Some(&mut sorted));
     }
     let first = lists(&history);
-    history.complete(0, how, Some(&watched), Some(&mut sorted));
+    history.complete(0, settings, Some(&watched), Some(&mut sorted));
     assert_eq!(lists(&history), first, "sorted anew");
 }

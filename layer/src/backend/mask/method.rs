@@ -1,4 +1,4 @@
-//! The two ways of a mask: a template in depth, or a return at the beginning of fragment shaders.
+//! The two methods of a mask: a depth template, or an early return of fragment shaders.
 
 use crate::backend::mask::DepthWork;
 use crate::backend::mask::eligibility::{Eligible, MaskFacts, eligible, of_colors};
@@ -7,7 +7,7 @@ use parafovea_core::mask::{DepthFormat, RETURNS};
 
 /// Whether fragment shaders of some pipelines can return early.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Returns {
+pub struct EarlyReturnSupport {
     /// There is one.
     pub any: bool,
     /// There is one that covers the same samples, with the same depth, when it does.
@@ -16,7 +16,7 @@ pub struct Returns {
 
 /// The means by which a pass skips fragments.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Way {
+pub enum MaskMethod {
     /// A template in depth.
     Template(Eligible),
     /// Fragment shaders return at their beginning; shaders without a return shade everything.
@@ -24,13 +24,13 @@ pub enum Way {
         /// Only shaders do that cover the same samples, with the same depth: depth is as without, and so are the counts of queries and the
         /// outcome of conditions.
         keeps_coverage: bool,
-        /// Why there is no template.
+        /// Reason for a missing template.
         instead: Unmasked,
     },
 }
 
-impl Way {
-    /// The kind of the template of [`Way::Return`], which only shaders read.
+impl MaskMethod {
+    /// The kind of the template of [`MaskMethod::Return`], which only shaders read.
     pub const RETURN: Eligible = Eligible {
         depths: RETURNS,
         format: DepthFormat::Blocks,
@@ -39,7 +39,7 @@ impl Way {
     };
 }
 
-/// The way of a pass.
+/// The method of a pass's mask.
 ///
 /// A template is used if there can be one, as fragments then never begin. Else fragment shaders return early: where depth is tested or
 /// samples are counted, only shaders that change neither. An early fragment's colour is zero, blended with the loaded colour or not. It
@@ -49,9 +49,9 @@ impl Way {
 ///
 /// # Errors
 /// As for [`eligible`], if no shader can return early; or the reason against that.
-pub fn way(facts: &MaskFacts) -> Result<Way, Unmasked> {
+pub fn method(facts: &MaskFacts) -> Result<MaskMethod, Unmasked> {
     let instead = match eligible(facts) {
-        Ok(eligible) => return Ok(Way::Template(eligible)),
+        Ok(eligible) => return Ok(MaskMethod::Template(eligible)),
         Err(reason) => reason,
     };
     let returns = facts.pipelines.returns;
@@ -61,7 +61,7 @@ pub fn way(facts: &MaskFacts) -> Result<Way, Unmasked> {
         return Err(instead);
     }
     of_colors(facts.colors)?;
-    Ok(Way::Return { keeps_coverage, instead })
+    Ok(MaskMethod::Return { keeps_coverage, instead })
 }
 
 /// Whether a pass without a template for this reason can have an early return, which leaves depth, stencil and the effects of other
@@ -98,57 +98,57 @@ mod tests {
     use crate::pass_detection::PassFacts;
     use ash::vk;
 
-    const KEEPING: Returns = Returns { any: true, keeping_coverage: true };
-    const ANY: Returns = Returns { any: true, keeping_coverage: false };
+    const KEEPING: EarlyReturnSupport = EarlyReturnSupport { any: true, keeping_coverage: true };
+    const ANY: EarlyReturnSupport = EarlyReturnSupport { any: true, keeping_coverage: false };
 
     /// By depth, queries and fragment shaders of a pass.
     fn of(
         depth: Option<DepthFacts>,
         is_queried: bool,
-        returns: Returns,
+        returns: EarlyReturnSupport,
         color: ColorFacts,
-    ) -> Result<Way, Unmasked> {
+    ) -> Result<MaskMethod, Unmasked> {
         let pass = PassFacts { clears_depth: true, is_queried, ..PassFacts::default() };
         let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
-        way(&MaskFacts { pass, depth, colors: &[color], pipelines, prefers_return: false })
+        method(&MaskFacts { pass, depth, colors: &[color], pipelines, prefers_return: false })
     }
 
     #[test]
     fn a_template_comes_first() {
-        assert!(matches!(of(Some(depth()), false, KEEPING, color()), Ok(Way::Template(_))));
+        assert!(matches!(of(Some(depth()), false, KEEPING, color()), Ok(MaskMethod::Template(_))));
     }
 
     #[test]
     fn without_depth_shaders_return_early() {
         let returned = |returns| of(None, false, returns, color());
-        let way = Way::Return { keeps_coverage: false, instead: Unmasked::NoDepth };
-        assert_eq!((returned(ANY), returned(KEEPING)), (Ok(way), Ok(way)));
-        assert_eq!(returned(Returns::default()), Err(Unmasked::NoDepth));
+        let method = MaskMethod::Return { keeps_coverage: false, instead: Unmasked::NoDepth };
+        assert_eq!((returned(ANY), returned(KEEPING)), (Ok(method), Ok(method)));
+        assert_eq!(returned(EarlyReturnSupport::default()), Err(Unmasked::NoDepth));
     }
 
     /// Counts, and depth that must stay as it is, do not change.
     #[test]
     fn where_coverage_counts_only_shaders_that_keep_it_return_early() {
         let queried = |depth, returns| of(depth, true, returns, color());
-        let way = Way::Return { keeps_coverage: true, instead: Unmasked::Queried };
+        let method = MaskMethod::Return { keeps_coverage: true, instead: Unmasked::Queried };
         for depth in [Some(depth()), None] {
-            assert_eq!(queried(depth, KEEPING), Ok(way));
+            assert_eq!(queried(depth, KEEPING), Ok(method));
             assert_eq!(queried(depth, ANY), Err(Unmasked::Queried));
         }
         let transient = DepthFacts {
             usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT,
             ..depth()
         };
-        let way = Way::Return { keeps_coverage: true, instead: Unmasked::Transient };
-        assert_eq!(of(Some(transient), false, KEEPING, color()), Ok(way));
+        let method = MaskMethod::Return { keeps_coverage: true, instead: Unmasked::Transient };
+        assert_eq!(of(Some(transient), false, KEEPING, color()), Ok(method));
         assert_eq!(of(Some(transient), false, ANY, color()), Err(Unmasked::Transient));
     }
 
     #[test]
     fn a_pass_that_cannot_load_its_depth_returns_early() {
         let unloadable = Some(DepthFacts { is_loadable: false, ..depth() });
-        let way = Way::Return { keeps_coverage: true, instead: Unmasked::RenderPass };
-        assert_eq!(of(unloadable, false, KEEPING, color()), Ok(way));
+        let method = MaskMethod::Return { keeps_coverage: true, instead: Unmasked::RenderPass };
+        assert_eq!(of(unloadable, false, KEEPING, color()), Ok(method));
         assert_eq!(of(unloadable, false, ANY, color()), Err(Unmasked::RenderPass));
     }
 
@@ -159,18 +159,18 @@ mod tests {
         let of = |samples, returns, prefers_return| {
             let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
             let depth = Some(DepthFacts { samples, ..depth() });
-            way(&MaskFacts { pass, depth, colors: &[color()], pipelines, prefers_return })
+            method(&MaskFacts { pass, depth, colors: &[color()], pipelines, prefers_return })
         };
         let [one, four] = [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4];
-        let returned = Way::Return { keeps_coverage: true, instead: Unmasked::ShadesHidden };
+        let returned = MaskMethod::Return { keeps_coverage: true, instead: Unmasked::ShadesHidden };
         assert_eq!(of(four, KEEPING, true), Ok(returned));
         for template in [of(four, KEEPING, false), of(one, KEEPING, true)] {
-            assert!(matches!(template, Ok(Way::Template(_))), "{template:?}");
+            assert!(matches!(template, Ok(MaskMethod::Template(_))), "{template:?}");
         }
     }
 
     #[test]
-    fn what_cannot_be_filled_is_left_alone() {
+    fn targets_that_cannot_be_filled_get_no_mask() {
         let format = vk::Format::R32_UINT;
         let identifiers = ColorFacts { format, ..color() };
         assert_eq!(of(None, false, KEEPING, identifiers), Err(Unmasked::ColorFormat(format)));
@@ -178,7 +178,7 @@ mod tests {
         let pipelines = PipelineFacts { returns: KEEPING, ..PipelineFacts::default() };
         let colors = &[color()];
         assert_eq!(
-            way(&MaskFacts { pass, depth: None, colors, pipelines, prefers_return: false }),
+            method(&MaskFacts { pass, depth: None, colors, pipelines, prefers_return: false }),
             Err(Unmasked::OwnRates)
         );
     }

@@ -1,10 +1,10 @@
-//! The images that finished pictures are in, each ready to be analysed.
+//! The images that finished eye buffers are in, each ready to be analysed.
 
 use super::Tools;
 use super::eye::EyeTiles;
 use crate::gpu::GpuError;
 use crate::kernels::analyze::{AnalyzeParams, AnalyzeTarget};
-use crate::link::PictureRecord;
+use crate::link::EyeBufferRecord;
 use ash::vk;
 use parafovea_core::color::Matrix;
 use parafovea_core::kernels::analyze::{Aggregation, ContrastSettings};
@@ -13,15 +13,15 @@ use std::sync::Arc;
 /// Most images of an application; with more, the list is emptied.
 const MOST: usize = 64;
 
-/// The pictures of a session.
+/// The eye buffers of a session.
 #[derive(Default)]
-pub struct Pictures {
+pub struct EyeBuffers {
     known: Vec<Known>,
 }
 
-/// Place of a picture, and the parameters of its analysis.
+/// Place of an eye buffer, and the parameters of its analysis.
 #[derive(Clone, Copy, PartialEq)]
-struct PictureKey {
+struct EyeBufferKey {
     swapchain: u64,
     image: vk::Image,
     format: vk::Format,
@@ -32,30 +32,30 @@ struct PictureKey {
 }
 
 struct Known {
-    key: PictureKey,
+    key: EyeBufferKey,
     tiles: Arc<EyeTiles>,
     target: Arc<AnalyzeTarget>,
 }
 
-impl Pictures {
-    /// The analysis of a picture into these tiles, if it was made before.
-    pub fn find(&self, record: &PictureRecord, tiles: &Arc<EyeTiles>) -> Option<Arc<AnalyzeTarget>> {
-        let key = PictureKey::of(record);
+impl EyeBuffers {
+    /// The analysis of an eye buffer into these tiles, if it was made before.
+    pub fn find(&self, record: &EyeBufferRecord, tiles: &Arc<EyeTiles>) -> Option<Arc<AnalyzeTarget>> {
+        let key = EyeBufferKey::of(record);
         let known = self.known.iter().find(|known| known.key == key && Arc::ptr_eq(&known.tiles, tiles));
         known.map(|known| Arc::clone(&known.target))
     }
 
-    /// Keeps the analysis of a picture.
+    /// Keeps the analysis of an eye buffer.
     pub fn keep(
         &mut self,
-        record: &PictureRecord,
+        record: &EyeBufferRecord,
         tiles: &Arc<EyeTiles>,
         target: AnalyzeTarget,
     ) -> Arc<AnalyzeTarget> {
         if self.known.len() >= MOST {
             self.known.clear();
         }
-        let (key, target) = (PictureKey::of(record), Arc::new(target));
+        let (key, target) = (EyeBufferKey::of(record), Arc::new(target));
         self.known.push(Known { key, tiles: Arc::clone(tiles), target: Arc::clone(&target) });
         target
     }
@@ -66,7 +66,7 @@ impl Pictures {
         self.known.extract_if(.., |known| Arc::ptr_eq(&known.tiles, gone)).collect::<Vec<Known>>()
     }
 
-    /// Forgets the pictures of a swapchain; whether there were any.
+    /// Forgets the eye buffers of a swapchain; whether there were any.
     pub fn forget(&mut self, swapchain: u64) -> bool {
         let before = self.known.len();
         self.known.retain(|known| known.key.swapchain != swapchain);
@@ -74,20 +74,20 @@ impl Pictures {
     }
 }
 
-impl PictureKey {
-    fn of(record: &PictureRecord) -> Self {
-        let PictureRecord { swapchain, image, format, layer, rect, white_cd_m2, is_mean, .. } = *record;
+impl EyeBufferKey {
+    fn of(record: &EyeBufferRecord) -> Self {
+        let EyeBufferRecord { swapchain, image, format, layer, rect, white_cd_m2, is_mean, .. } = *record;
         Self { swapchain, image, format, layer, rect, white_cd_m2, is_mean }
     }
 }
 
-/// Prepares to analyse a picture by tiles of `texel` pixels, which are counted from its own corner.
+/// Prepares to analyse an eye buffer by tiles of `texel` pixels, which are counted from its own corner.
 ///
 /// # Errors
 /// A failed call.
 pub fn target(
     tools: &Tools,
-    record: &PictureRecord,
+    record: &EyeBufferRecord,
     texel: [u32; 2],
     tiles: &Arc<EyeTiles>,
 ) -> Result<AnalyzeTarget, GpuError> {

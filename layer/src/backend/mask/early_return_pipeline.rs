@@ -3,14 +3,14 @@
 
 use super::Masks;
 use super::recipe::Recipe;
-use crate::backend::mask::Returns;
+use crate::backend::mask::EarlyReturnSupport;
 use crate::gpu::{AppendedLayout, Compilation, Later, Owned};
 use ash::vk;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// A pipeline of the application's with the one that is bound in its place.
-pub struct Returning {
+pub struct EarlyReturnPipeline {
     recipe: Arc<Recipe>,
     /// Whether samples pass depth tests, and are counted, as without.
     keeps_coverage: bool,
@@ -18,15 +18,15 @@ pub struct Returning {
     made: OnceLock<Later<Owned<vk::Pipeline>>>,
 }
 
-impl Returning {
+impl EarlyReturnPipeline {
     /// By a recipe.
     pub(super) fn new(recipe: Recipe, keeps_coverage: bool) -> Self {
         Self { recipe: Arc::new(recipe), keeps_coverage, made: OnceLock::new() }
     }
 
     /// Facts for passes.
-    pub(super) fn facts(&self) -> Returns {
-        Returns { any: true, keeping_coverage: self.keeps_coverage }
+    pub(super) fn facts(&self) -> EarlyReturnSupport {
+        EarlyReturnSupport { any: true, keeping_coverage: self.keeps_coverage }
     }
 
     /// The layout that the pipeline has, valid as long as `self`.
@@ -59,7 +59,11 @@ impl Masks {
 
     /// The substitute of a pipeline, in a pass that needs its coverage kept or not; `None` where the application's own stays, or the
     /// substitute is not made yet.
-    pub fn returning(&self, pipeline: vk::Pipeline, keeps_coverage: bool) -> Option<Arc<Returning>> {
+    pub fn returning(
+        &self,
+        pipeline: vk::Pipeline,
+        keeps_coverage: bool,
+    ) -> Option<Arc<EarlyReturnPipeline>> {
         let known = self.returning.get(pipeline)?;
         if keeps_coverage && !known.keeps_coverage {
             return None;

@@ -1,7 +1,7 @@
-//! The rooms of the library, which are the folders of `layer/src`, import each other without circles; its unsafe blocks are short.
+//! The modules of the library, which are the folders of `layer/src`, have no import cycles; its unsafe blocks are short.
 //!
-//! `vk` and `backend` are several rooms: each of their folders and files is one. Unit tests are left out, and so are the re-exports of the file that
-//! declares a room's parts.
+//! `vk` and `backend` are several modules: each of their folders and files is one. Unit tests are left out, and so are the re-exports of
+//! the file that declares a module's parts.
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
@@ -13,13 +13,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Top folders whose own folders and files are rooms.
+/// Top folders whose own folders and files are modules.
 const PARTED: [&str; 2] = ["backend", "vk"];
 
-/// Imports that may still close a circle, from one room to another. To be emptied.
+/// Imports that may still close a cycle, from one module to another. To be emptied.
 const ALLOWED: [(&str, &str); 0] = [];
 
-/// Rooms by room that they import, with an example each.
+/// Imported modules by importing module, with an example each.
 type Graph = BTreeMap<String, BTreeMap<String, Import>>;
 
 fn source_folder() -> PathBuf {
@@ -43,8 +43,8 @@ fn modules(folder: &Path, above: &[String], into: &mut BTreeMap<Vec<String>, Str
     }
 }
 
-/// The room of a module or item.
-fn room(path: &[String]) -> String {
+/// The module that a source or an item belongs to.
+fn module_of(path: &[String]) -> String {
     let depth = if path.first().is_some_and(|top| PARTED.contains(&top.as_str())) { 2 } else { 1 };
     path[..depth.min(path.len())].join("::")
 }
@@ -56,7 +56,7 @@ fn graph(modules: &BTreeMap<Vec<String>, String>) -> Graph {
             // The longest prefix that is a module; of a re-export, the module that it is named by.
             let target = (1..=import.path.len()).rev().map(|len| &import.path[..len]);
             let Some(target) = target.into_iter().find(|path| modules.contains_key(*path)) else { continue };
-            let (from, to) = (room(module), room(target));
+            let (from, to) = (module_of(module), module_of(target));
             let is_own_part = modules.contains_key(&vec![from.clone()]) && import.is_public;
             if from != to && !is_own_part {
                 graph.entry(from).or_default().entry(to).or_insert(import);
@@ -66,60 +66,60 @@ fn graph(modules: &BTreeMap<Vec<String>, String>) -> Graph {
     graph
 }
 
-/// A circle of rooms; `None` if there is none.
-fn circle(graph: &Graph) -> Option<Vec<String>> {
+/// A cycle of modules; `None` if there is none.
+fn cycle(graph: &Graph) -> Option<Vec<String>> {
     fn visit(
         graph: &Graph,
-        room: &str,
+        module: &str,
         path: &mut Vec<String>,
         done: &mut BTreeSet<String>,
     ) -> Option<Vec<String>> {
-        if let Some(start) = path.iter().position(|known| known == room) {
+        if let Some(start) = path.iter().position(|known| known == module) {
             return Some(path[start..].to_vec());
         }
-        if done.contains(room) {
+        if done.contains(module) {
             return None;
         }
-        path.push(room.to_owned());
+        path.push(module.to_owned());
         let found = graph
-            .get(room)
+            .get(module)
             .into_iter()
             .flat_map(BTreeMap::keys)
-            .filter(|to| !ALLOWED.contains(&(room, to.as_str())))
+            .filter(|to| !ALLOWED.contains(&(module, to.as_str())))
             .find_map(|to| visit(graph, to, path, done));
         path.pop();
-        done.insert(room.to_owned());
+        done.insert(module.to_owned());
         found
     }
     let mut done = BTreeSet::new();
-    graph.keys().find_map(|room| visit(graph, room, &mut Vec::new(), &mut done))
+    graph.keys().find_map(|module| visit(graph, module, &mut Vec::new(), &mut done))
 }
 
-/// A circle with the import that closes each step.
-fn described(graph: &Graph, circle: &[String]) -> String {
-    let next = circle.iter().cycle().skip(1);
+/// A cycle with the import that closes each step.
+fn described(graph: &Graph, cycle: &[String]) -> String {
+    let next = cycle.iter().cycle().skip(1);
     let step = |(from, to): (&String, &String)| {
         let import = &graph[from][to];
         format!("{from} -> {to}: {} imports {}", import.file, import.path.join("::"))
     };
-    circle.iter().zip(next).map(step).collect::<Vec<_>>().join("\n")
+    cycle.iter().zip(next).map(step).collect::<Vec<_>>().join("\n")
 }
 
 #[test]
-fn rooms_import_each_other_without_circles() {
+fn modules_have_no_import_cycles() {
     let mut found = BTreeMap::new();
     modules(&source_folder(), &[], &mut found);
     assert!(found.len() > 200, "{} modules", found.len());
     let graph = graph(&found);
     let count: usize = graph.values().map(BTreeMap::len).sum();
-    assert!(graph.len() > 25 && count > 100, "{} rooms, {count} imports", graph.len());
-    if let Some(circle) = circle(&graph) {
-        panic!("rooms of layer/src in a circle:\n{}", described(&graph, &circle));
+    assert!(graph.len() > 25 && count > 100, "{} modules, {count} imports", graph.len());
+    if let Some(cycle) = cycle(&graph) {
+        panic!("an import cycle of modules of layer/src:\n{}", described(&graph, &cycle));
     }
 }
 
 #[test]
-fn a_circle_is_found() {
+fn a_cycle_is_found() {
     let sources = [
         ("gpu", "use crate::vk::objects::{Image, View as V};"),
         ("vk", "mod objects;\npub use objects::Image;"),
@@ -145,5 +145,5 @@ fn a_circle_is_found() {
             ("xr", "vk::frame")
         ]
     );
-    assert_eq!(circle(&graph).unwrap(), ["gpu", "vk::objects", "vk::frame"]);
+    assert_eq!(cycle(&graph).unwrap(), ["gpu", "vk::objects", "vk::frame"]);
 }

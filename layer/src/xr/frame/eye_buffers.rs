@@ -1,16 +1,16 @@
-//! The finished pictures of a frame, of which the Vulkan half takes the contrast.
+//! The finished eye buffers of a frame, of which the Vulkan half takes the contrast.
 
 use super::FrameEnd;
 use super::work::Work;
 use crate::config::{Config, RatesMode, wants_contrast};
-use crate::link::PictureRecord;
+use crate::link::EyeBufferRecord;
 use crate::xr::session::{Active, Health};
 use crate::xr::submission::{Projection, ProjectionView};
 use glam::Quat;
 use openxr_sys::Handle;
 
-/// Passes the Vulkan half the new pictures of the eyes in this frame, which our work has written on the session's queue, before their image
-/// is the runtime's again; none if their contrast does not count, or no pass gets rates.
+/// Passes the Vulkan half the new eye buffers of this frame, which our work has written on the session's queue, before their image is the
+/// runtime's again; none if their contrast does not count, or no pass gets rates.
 ///
 /// # Safety
 ///
@@ -27,7 +27,7 @@ pub unsafe fn notify(frame: &FrameEnd, works: &[Work]) {
         let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain);
         if let Some(record) = work.and_then(|work| record(active, config, eye, view, work, to_world)) {
             // SAFETY: the image lives until its swapchain ends, which is said; it was just written, and is in that layout.
-            unsafe { active.device.notify_picture(&record) };
+            unsafe { active.device.notify_eye_buffer(&record) };
         }
     }
 }
@@ -37,7 +37,7 @@ pub unsafe fn notify(frame: &FrameEnd, works: &[Work]) {
 fn to_world(frame: &FrameEnd, scene: &Projection<'_>) -> Option<Quat> {
     let time = frame.submission.time;
     let in_layer = frame.head_in_layer(scene)?;
-    let planned = frame.active.plan.planning().head_at(time.as_nanos());
+    let planned = frame.active.plan.planner().head_at(time.as_nanos());
     Some(planned.unwrap_or_else(|| frame.session.head_in_world(time)) * in_layer.inverse())
 }
 
@@ -48,7 +48,7 @@ fn record(
     view: &ProjectionView,
     work: &Work,
     to_world: Quat,
-) -> Option<PictureRecord> {
+) -> Option<EyeBufferRecord> {
     let (image, format, rect) = work.finished(view)?;
     let tangents = view.fov.tangents();
     // The plan's first row is the top.
@@ -57,7 +57,7 @@ fn record(
     }
     let plane = tangents.plane([rect.extent.width, rect.extent.height]);
     let (family, index) = active.device.queue;
-    Some(PictureRecord {
+    Some(EyeBufferRecord {
         eye,
         queue: [family, index],
         swapchain: work.swapchain.handle.into_raw(),
