@@ -10,6 +10,7 @@ use super::frame::MapContent;
 use super::objects::Objects;
 use super::perception::ResolvedMap;
 use super::table::Table;
+use crate::backend::attachment::image::RateImage;
 use crate::backend::mask::TargetMask;
 use crate::backend::{Backend, MapSize, RateMap};
 use crate::pass_detection::{ImageKey, Pass, Target};
@@ -19,13 +20,23 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// The candidates of a device.
 #[derive(Default)]
 pub struct Candidates {
-    live: Table<Target, Arc<Candidate>>,
+    live: Table<(Target, Depth), Arc<Candidate>>,
+}
+
+/// The passes of a target that share a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Depth {
+    /// Passes with depth, and passes without: a mask in depth is filled ahead of passes without.
+    Any,
+    /// Passes with depth alone, or passes without depth alone, each of which has a rate image.
+    Is(bool),
 }
 
 /// A colour target that may be the scene.
 pub struct Candidate {
     /// The first colour target of its passes.
     pub target: Target,
+    depth: Depth,
     /// Its map on the GPU.
     pub map: Box<dyn RateMap>,
     content: Mutex<Content>,
@@ -33,9 +44,18 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    fn new(target: Target, map: Box<dyn RateMap>) -> Arc<Self> {
+    fn new((target, depth): (Target, Depth), map: Box<dyn RateMap>) -> Arc<Self> {
         let content = if map.has_content() { Content::initialised() } else { Content::default() };
-        Arc::new(Self { target, map, content: Mutex::new(content), resolved: Mutex::default() })
+        Arc::new(Self { target, depth, map, content: Mutex::new(content), resolved: Mutex::default() })
+    }
+
+    /// Whether a pass obeys its map.
+    pub fn is_of(&self, pass: &Pass) -> bool {
+        let has_depth = match self.depth {
+            Depth::Any => pass.depth.is_some(),
+            Depth::Is(has_depth) => has_depth,
+        };
+        pass.colors.first() == Some(&self.target) && pass.depth.is_some() == has_depth
     }
 
     /// Its map as a mask; `None` on devices with rate attachments.
@@ -70,30 +90,38 @@ impl Candidates {
     /// The candidate that a pass draws to, if it draws colour and can be made coarser.
     pub fn of(&self, backend: &dyn Backend, objects: &Objects, pass: &Pass) -> Option<Arc<Candidate>> {
         let target = *pass.colors.first()?;
-        if let Some(known) = self.live.get(target) {
+        if let Some(known) = self.known(target) {
             return Some(known);
         }
         let image = objects.image_of(target.image)?;
         let map = backend.map(pass, &image)?;
-        Some(self.live.get_or_insert(target, Candidate::new(target, map)))
+        let key = (target, Depth::Any);
+        Some(self.live.get_or_insert(key, Candidate::new(key, map)))
+    }
+
+    /// The candidate of a rate image.
+    pub fn with_rate_image(&self, image: Arc<RateImage>) -> Arc<Candidate> {
+        let key = (image.key.target, Depth::Is(image.key.has_depth));
+        self.live
+            .get(key)
+            .unwrap_or_else(|| self.live.get_or_insert(key, Candidate::new(key, Box::new(image))))
     }
 
     /// The candidate of a target whose map is at hand.
+    #[cfg(test)]
     pub fn with_map<M: RateMap + 'static>(&self, target: Target, map: M) -> Arc<Candidate> {
-        if let Some(known) = self.live.get(target) {
-            return known;
-        }
-        self.live.get_or_insert(target, Candidate::new(target, Box::new(map)))
+        let key = (target, Depth::Any);
+        self.live.get_or_insert(key, Candidate::new(key, Box::new(map)))
     }
 
-    /// The candidate of a target, if passes drew to it before.
+    /// The candidate of a target with a mask, if passes drew to it before.
     pub fn known(&self, target: Target) -> Option<Arc<Candidate>> {
-        self.live.get(target)
+        self.live.get((target, Depth::Any))
     }
 
     /// Forgets candidates of an image that is about to be destroyed: the GPU is done with passes that draw to it.
     pub fn forget(&self, image: ImageKey) {
-        drop(self.live.remove_where(|target, _| target.image == image));
+        drop(self.live.remove_where(|(target, _), _| target.image == image));
     }
 
     /// Forgets all, before the device is destroyed.

@@ -142,14 +142,10 @@ impl Objects {
         if is_foreign { self.remove_image(image) } else { None }
     }
 
-    /// The first colour target of a pass, with its description; `None` if it is not live.
-    pub fn first_color(&self, pass: &Pass) -> Option<(Target, ImageDescription)> {
-        self.with_image(*pass.colors.first()?)
-    }
-
-    /// A target with its description; `None` if it is not live.
-    pub fn with_image(&self, target: Target) -> Option<(Target, ImageDescription)> {
-        Some((target, self.image_of(target.image)?.description))
+    /// The first colour target of a pass, with its description, and whether the pass has depth; `None` if the image is not live.
+    pub fn first_color(&self, pass: &Pass) -> Option<(Target, ImageDescription, bool)> {
+        let target = *pass.colors.first()?;
+        Some((target, self.image_of(target.image)?.description, pass.depth.is_some()))
     }
 
     /// The description of an image that is live, or was in this frame.

@@ -203,13 +203,10 @@ fn recognise_passes(
     let is_coarse = || recorded.candidates.iter().any(|candidate| candidate.content().shows_scene());
     let events = if log.follows() || is_coarse() { &recorded.events[..] } else { &[] };
     for event in events {
-        let drawn = match event {
-            Event::Pass(pass) => pass.colors.first().zip(Some(pass)),
+        let candidate = match event {
+            Event::Pass(pass) => recorded.candidates.iter().find(|known| known.is_of(pass)).zip(Some(pass)),
             Event::Transfer(_) => None,
         };
-        let candidate = drawn.and_then(|(target, pass)| {
-            Some((recorded.candidates.iter().find(|known| known.target == *target)?, pass))
-        });
         let verdict = log.push(&armed.objects, event, candidate.map(|(candidate, _)| candidate));
         if let Some((candidate, pass)) = candidate {
             let matched = verdict.and_then(Result::ok);

@@ -2,6 +2,7 @@
 
 mod alpha_to_coverage;
 mod async_compute;
+mod bloom;
 mod deferred;
 mod descriptor_buffers;
 mod descriptor_heaps;
@@ -96,4 +97,5 @@ pub const STYLES: &[&Style] = &[
     &msaa_passes::COVERING,
     &foliage::STYLE,
     &taa::STYLE,
+    &bloom::STYLE,
 ];

@@ -82,8 +82,8 @@ impl PassTruth {
 }
 
 /// The purposes of full-screen passes that shade nothing.
-const PASSED_ON: [&str; 4] =
-    ["tone mapping", "scaling", "temporal anti-aliasing", "exposure and tone mapping"];
+const PASSED_ON: [&str; 5] =
+    ["tone mapping", "scaling", "bloom", "temporal anti-aliasing", "exposure and tone mapping"];
 
 /// One render pass that a run began (`--passes`), with its parameters in Vulkan.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]

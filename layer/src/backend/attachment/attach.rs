@@ -57,8 +57,8 @@ enum Attached {
     Promised(Arc<RateImage>),
 }
 
-/// The first colour target of a pass, with the description of its image; `None` for an unknown image.
-pub type FirstColour = Option<(Target, ImageDescription)>;
+/// The first colour target of a pass, with the description of its image, and whether the pass has depth; `None` for an unknown image.
+pub type FirstColour = Option<(Target, ImageDescription, bool)>;
 
 impl RateAttachments {
     /// Rates of a device on which nothing is attached yet; `None` if it lacks a function that they need.
@@ -342,7 +342,9 @@ impl RateAttachments {
     }
 
     fn key(&self, target: FirstColour) -> Option<RateImageKey> {
-        target.map(|(target, image)| RateImageKey::of(target, &image, &self.capabilities))
+        target.map(|(target, image, has_depth)| {
+            RateImageKey::of((target, &image, has_depth), &self.capabilities)
+        })
     }
 }
 
@@ -362,7 +364,8 @@ impl Backend for Arc<RateAttachments> {
     }
 
     fn map(&self, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>> {
-        let key = RateImageKey::of(*pass.colors.first()?, &image.description, &self.capabilities);
+        let of = (*pass.colors.first()?, &image.description, pass.depth.is_some());
+        let key = RateImageKey::of(of, &self.capabilities);
         Some(Box::new(self.images.of(key)?))
     }
 }

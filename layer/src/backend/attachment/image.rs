@@ -24,6 +24,9 @@ pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
 pub struct RateImageKey {
     /// The target of its passes.
     pub target: Target,
+    /// Whether its passes have depth. Passes without, such as a bloom that is drawn onto the scene, are often not the scene, and must not turn the
+    /// map of those with depth 1x1.
+    pub has_depth: bool,
     /// Columns and rows of texels.
     pub texels: [u32; 2],
     /// Layers: 1, or one for each layer or view that is drawn.
@@ -31,10 +34,14 @@ pub struct RateImageKey {
 }
 
 impl RateImageKey {
-    /// The key of a target of an image.
-    pub fn of(target: Target, image: &ImageDescription, capabilities: &RateCapabilities) -> Self {
+    /// The key of a target of an image, for passes with depth or without.
+    pub fn of(
+        (target, image, has_depth): (Target, &ImageDescription, bool),
+        capabilities: &RateCapabilities,
+    ) -> Self {
         let extent = image.extent.map(|side| side.checked_shr(target.level).unwrap_or(0).max(1));
-        Self { target, texels: capabilities.texels(extent), layers: capabilities.layers(target.layers) }
+        let (texels, layers) = (capabilities.texels(extent), capabilities.layers(target.layers));
+        Self { target, has_depth, texels, layers }
     }
 
     /// The key that all unknown targets of one need share.
@@ -42,7 +49,8 @@ impl RateImageKey {
         // No image of the application's has such a key: those count up from 1.
         let [columns, rows] = texels.map(u64::from);
         let image = ImageKey(1 << 63 | columns << 40 | rows << 16 | u64::from(layers));
-        Self { target: Target { image, level: 0, base_layer: 0, layers }, texels, layers }
+        let target = Target { image, level: 0, base_layer: 0, layers };
+        Self { target, has_depth: true, texels, layers }
     }
 }
 

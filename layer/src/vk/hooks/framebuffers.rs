@@ -31,9 +31,12 @@ pub unsafe extern "system" fn create(
             let result = answer.record(match known.rate_attachments() {
                 Some(rates) => {
                     let pass = objects.render_pass(pass);
+                    let target_of = |index: u32| created.attachments.get(index as usize).copied().flatten();
+                    let depth = pass.as_ref().and_then(|pass| target_of(pass.depth?));
                     let color = pass.and_then(|pass| pass.colors.first().copied()).unwrap_or(0);
-                    let target = created.attachments.get(color as usize).copied().flatten();
-                    let target = target.and_then(|target| objects.with_image(target));
+                    let target = target_of(color).and_then(|target| {
+                        Some((target, objects.image_of(target.image)?.description, depth.is_some()))
+                    });
                     // SAFETY: the application's own arguments, and the next layer's function for them.
                     unsafe { rates.create_framebuffer(arguments, color, target, next) }
                 }

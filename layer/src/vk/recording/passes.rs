@@ -162,7 +162,7 @@ unsafe fn begin_tracked(
             let target = pass.as_ref().and_then(|pass| armed.objects.first_color(pass));
             // SAFETY: the structure is valid, as above.
             let image = unsafe { rates.begin_render_pass(info, target, begin) };
-            (image.map(|image| armed.candidates.with_map(image.key.target, image)), None)
+            (image.map(|image| armed.candidates.with_rate_image(image)), None)
         }
         (None, Some(masks)) => {
             let instance = instance.as_ref().zip(pass.as_mut());

@@ -98,7 +98,7 @@ unsafe fn begin_tracked(
             let target = armed.objects.first_color(&pass);
             // SAFETY: the structure is valid, as above.
             let image = unsafe { rates.begin_rendering(info, target, begin) };
-            (image.map(|image| armed.candidates.with_map(image.key.target, image)), None)
+            (image.map(|image| armed.candidates.with_rate_image(image)), None)
         }
         // SAFETY: valid usage of vkCmdBeginRendering, as this function requires.
         (None, Some(masks)) => unsafe { begin_masked(buffer, masks, handle, info, &mut pass, begin) },
