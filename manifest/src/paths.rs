@@ -27,8 +27,11 @@ pub const FLATPAK_HOMES: &str = ".var/app";
 /// The home of Steam's games where Steam is a Flatpak, below `$HOME`.
 pub const FLATPAK_STEAM: &str = ".var/app/com.valvesoftware.Steam";
 
-/// The variable that containers set to their name, Flatpak and Steam's pressure-vessel among them (systemd, "Container Interface").
+/// The variable that containers set to their name (systemd, "Container Interface").
 const CONTAINER_VARIABLE: &str = "container";
+
+/// Containers of games, which have a runtime folder of their own, and share the home: Flatpak, and pressure-vessel of Steam.
+const CONTAINERS: [&str; 2] = ["flatpak", "pressure-vessel"];
 
 impl Environment {
     /// Takes the variables from `variable`, which looks a variable up (`|name| std::env::var_os(name)`).
@@ -51,7 +54,8 @@ impl Environment {
             state_home: base("XDG_STATE_HOME", ".local/state"),
             cache_home: base("XDG_CACHE_HOME", ".cache"),
             runtime_dir: absolute("XDG_RUNTIME_DIR"),
-            is_container: set(CONTAINER_VARIABLE).is_some(),
+            is_container: variable(CONTAINER_VARIABLE)
+                .is_some_and(|name| CONTAINERS.iter().any(|known| name == *known)),
             home,
             quirks: variable(QUIRKS_VARIABLE),
         }
@@ -92,7 +96,7 @@ impl Environment {
         self.runtime_dir.as_deref()
     }
 
-    /// Whether this process runs in a container, such as Flatpak's or Steam's pressure-vessel.
+    /// Whether this process runs in a container of games: Flatpak, or Steam's pressure-vessel.
     pub fn is_container(&self) -> bool {
         self.is_container
     }
@@ -213,6 +217,18 @@ mod tests {
             environment(true, &[("HOME", "/h"), ("container", "flatpak")]).status_folders(),
             [""; 0].map(PathBuf::from)
         );
+    }
+
+    /// Those of development, such as toolbox, have the user's runtime folder.
+    #[test]
+    fn other_containers_are_as_the_system() {
+        for name in ["", "podman", "oci", "Flatpak"] {
+            let inside = environment(
+                false,
+                &[("HOME", "/h"), ("XDG_RUNTIME_DIR", "/run/user/1"), ("container", name)],
+            );
+            assert_eq!(inside.status_folder(), Some(PathBuf::from("/run/user/1/parafovea")), "{name}");
+        }
     }
 
     #[test]

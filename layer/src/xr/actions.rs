@@ -194,8 +194,7 @@ pub unsafe extern "system" fn attach(
     handle: xr::Session,
     info: *const xr::SessionActionSetsAttachInfo,
 ) -> xr::Result {
-    let known = session::find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own argument, or our copy of it.
@@ -254,8 +253,7 @@ pub unsafe extern "system" fn attach(
 ///
 /// The valid usage of the call.
 pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::ActionsSyncInfo) -> xr::Result {
-    let known = session::find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own argument, or our copy of it.
@@ -320,8 +318,7 @@ pub unsafe extern "system" fn get_current_profile(
     user: xr::Path,
     profile: *mut xr::InteractionProfileState,
 ) -> xr::Result {
-    let known = session::find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own arguments.

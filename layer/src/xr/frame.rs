@@ -13,7 +13,6 @@ pub use complete::sort_ahead;
 pub use debug_view::{DebugViews, draw_over_released};
 pub use history::{History, SortedTiles};
 
-use super::instance::next_of_any;
 use super::offer::PlacedLayers;
 use super::session::{self, Active, Health, Session, Tools};
 use super::submission::{Layer, Projection, Submission};
@@ -43,8 +42,7 @@ pub unsafe extern "system" fn wait(
     info: *const xr::FrameWaitInfo,
     state: *mut xr::FrameState,
 ) -> xr::Result {
-    let known = session::find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own arguments.
@@ -81,8 +79,7 @@ pub unsafe extern "system" fn wait(
 ///
 /// The valid usage of the call.
 pub unsafe extern "system" fn begin(handle: xr::Session, info: *const xr::FrameBeginInfo) -> xr::Result {
-    let known = session::find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own arguments.
@@ -108,8 +105,7 @@ pub unsafe extern "system" fn begin(handle: xr::Session, info: *const xr::FrameB
 ///
 /// The valid usage of the call.
 pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEndInfo) -> xr::Result {
-    let known = session::find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     if let Some(known) = known.as_ref().filter(|known| known.sleeps_through()) {

@@ -6,6 +6,7 @@ mod shared;
 pub use active::{Active, Health, Tools};
 
 use super::actions::{Headset, SessionActions};
+use super::dispatch::Next;
 use super::gaze::SessionGaze;
 use super::instance::{self, Instance, next_of_any};
 use super::offer::{self, SessionOffer};
@@ -101,6 +102,13 @@ static SESSIONS: Registry<xr::Session, Session> = Registry::new();
 /// The session of that handle.
 pub fn find(handle: xr::Session) -> Option<Arc<Session>> {
     SESSIONS.get(handle)
+}
+
+/// The session of that handle, if it is known, and the functions below; `None` without any instance.
+pub fn find_with_next(handle: xr::Session) -> Option<(Option<Arc<Session>>, Next)> {
+    let known = find(handle);
+    let next = known.as_ref().map(|known| known.instance.next).or_else(next_of_any)?;
+    Some((known, next))
 }
 
 /// A session of that instance whose application is owed an event about interaction profiles, which it gets now.
@@ -241,8 +249,7 @@ fn gaze_of(source: GazeSource, has_tracker: bool) -> &'static str {
 ///
 /// The valid usage of the call.
 pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
-    let known = find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own argument.
@@ -273,8 +280,7 @@ pub unsafe extern "system" fn begin_session(
     handle: xr::Session,
     info: *const xr::SessionBeginInfo,
 ) -> xr::Result {
-    let known = find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own arguments.
@@ -295,8 +301,7 @@ pub unsafe extern "system" fn begin_session(
 ///
 /// The valid usage of the call.
 pub unsafe extern "system" fn end_session(handle: xr::Session) -> xr::Result {
-    let known = find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own argument.

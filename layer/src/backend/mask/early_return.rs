@@ -57,16 +57,38 @@ const VERSION_1_3: u32 = 0x0001_0300;
 const VERSION_1_4: u32 = 0x0001_0400;
 const CAPABILITY_MULTI_VIEW: u32 = 4439;
 
-/// Capabilities of operations whose results depend on which other fragments there are: votes, arithmetic, ballots, shuffles,
-/// clusters, their extensions, and rotations.
-const OVER_SUBGROUPS: [u32; 9] = [62, 63, 64, 65, 66, 67, 4423, 4431, 6026];
+/// Capabilities of operations whose results depend on the other fragments of the subgroup. Source: SPIR-V specification, section 3.31,
+/// "Capability".
+const OVER_SUBGROUPS: [u32; 9] = [
+    capability::GROUP_NON_UNIFORM_VOTE,
+    capability::GROUP_NON_UNIFORM_ARITHMETIC,
+    capability::GROUP_NON_UNIFORM_BALLOT,
+    capability::GROUP_NON_UNIFORM_SHUFFLE,
+    capability::GROUP_NON_UNIFORM_SHUFFLE_RELATIVE,
+    capability::GROUP_NON_UNIFORM_CLUSTERED,
+    capability::SUBGROUP_BALLOT,
+    capability::SUBGROUP_VOTE,
+    capability::GROUP_NON_UNIFORM_ROTATE,
+];
+
+/// Numbers of capabilities, by their names in SPIR-V.
+mod capability {
+    pub const GROUP_NON_UNIFORM_VOTE: u32 = 62;
+    pub const GROUP_NON_UNIFORM_ARITHMETIC: u32 = 63;
+    pub const GROUP_NON_UNIFORM_BALLOT: u32 = 64;
+    pub const GROUP_NON_UNIFORM_SHUFFLE: u32 = 65;
+    pub const GROUP_NON_UNIFORM_SHUFFLE_RELATIVE: u32 = 66;
+    pub const GROUP_NON_UNIFORM_CLUSTERED: u32 = 67;
+    pub const SUBGROUP_BALLOT: u32 = 4423;
+    pub const SUBGROUP_VOTE: u32 = 4431;
+    pub const GROUP_NON_UNIFORM_ROTATE: u32 = 6026;
+}
 
 /// Whether fragments of any shader of the module may be discarded, or turned into helpers.
 pub fn discards(words: &[u32]) -> bool {
-    const KILL: u32 = 252;
-    const TERMINATE: u32 = 4416;
-    const DEMOTE: u32 = 5380;
-    let is_discard = |found: Instruction<'_>| matches!(found.op, KILL | TERMINATE | DEMOTE);
+    let is_discard = |found: Instruction<'_>| {
+        matches!(found.op, op::KILL | op::TERMINATE_INVOCATION | op::DEMOTE_TO_HELPER_INVOCATION)
+    };
     Parsed::of(words).is_none_or(|parsed| parsed.instructions.iter().any(|found| is_discard(*found)))
 }
 

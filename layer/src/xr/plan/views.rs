@@ -6,7 +6,6 @@ use crate::abi::guard;
 use crate::config::{Config, ConfigSnapshot, GazeSource, wants_reuse};
 use crate::inputs::gaze::rotation;
 use crate::planner::{ShownView, View, head_of};
-use crate::xr::instance::next_of_any;
 use crate::xr::offer::GazeSpace;
 use crate::xr::session::{self, Active, Health, Session, Tools};
 use crate::xr::submission::{self, Projection, ProjectionView};
@@ -29,8 +28,7 @@ pub unsafe extern "system" fn locate_views(
     count: *mut u32,
     views: *mut xr::View,
 ) -> xr::Result {
-    let known = session::find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own arguments, or our copy of one.

@@ -30,8 +30,7 @@ pub unsafe extern "system" fn create_reference(
     info: *const xr::ReferenceSpaceCreateInfo,
     space: *mut xr::Space,
 ) -> xr::Result {
-    let known = session::find(handle);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(handle) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own arguments.

@@ -9,7 +9,6 @@ use crate::abi::guard;
 use crate::config::{Config, images_for_reuse, wants_maps};
 use crate::kernels::compose::{APP_USAGE, SwapchainShape};
 use crate::link::BACKEND_MASK;
-use crate::xr::instance::next_of_any;
 use crate::xr::session::{self, Active, Session};
 use ash::vk;
 use ash::vk::Handle;
@@ -29,8 +28,7 @@ pub unsafe extern "system" fn create(
     info: *const xr::SwapchainCreateInfo,
     swapchain: *mut xr::Swapchain,
 ) -> xr::Result {
-    let known = session::find(session);
-    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+    let Some((known, next)) = session::find_with_next(session) else {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function; `info` is the application's, or our copy of it.
