@@ -219,7 +219,7 @@ mod tests {
         );
     }
 
-    /// Those of development, such as toolbox, have the user's runtime folder.
+    /// Containers for development, such as toolbox, have the user's runtime folder.
     #[test]
     fn other_containers_are_as_the_system() {
         for name in ["", "podman", "oci", "Flatpak"] {

@@ -12,21 +12,27 @@ const ONCE_WRONG: [u64; 13] = [3389, 3958, 4223, 4441, 4732, 5265, 5288, 5912, 6
 
 #[test]
 fn eyes_of_engines_are_found_and_nothing_else() {
-    let mut all = Score::default();
+    let mut known = Score::default();
     for graph in GRAPHS {
         let score = run(graph);
         assert_eq!(score.wrong, 0, "{}: {:?}", graph.name, score.wrong_names);
         assert_eq!(score.coarse_full_screen, 0, "{}: tone mapping or filters", graph.name);
-        all += &score;
+        // Without descriptors, a mirror like an eye makes the scene ambiguous.
+        if !graph.is_bindless {
+            known += &score;
+        }
     }
-    assert!(all.recall() >= 0.95, "recall {}: {:#?}", all.recall(), all.missed_names);
+    assert!(known.recall() >= 0.95, "recall {}: {:#?}", known.recall(), known.missed_names);
 }
 
 /// Graphs with a temporal filter in passes whose reads are known.
 const FILTERED: [&str; 2] = ["unreal-deferred", "unreal-deferred-dynamic"];
 
 /// Graphs with an unknown reader of the scene: compute, or descriptors that are not followed.
-const UNKNOWN: [&str; 9] = [
+const UNKNOWN: [&str; 12] = [
+    "dxvk-forward-heaps",
+    "dxvk-deferred-heaps",
+    "dxvk-pooled-heaps",
     "hdrp",
     "hdrp-square-dynamic",
     "unreal-deferred-compute",

@@ -162,6 +162,17 @@ pub const GRAPHS: &[Graph] = &[
     )
     .dynamic(),
     Graph::new("dxvk-pooled", TALL, Separate, &[(compatibility::dxvk_pooled, &[Mirror(0.75), Shadow(2048)])]),
+    // The same where DXVK's descriptors are in heaps or buffers, which is the default since 2026.
+    Graph::new("dxvk-forward-heaps", TALL, Separate, &[(compatibility::dxvk_forward, MIRRORS)]).bindless(),
+    Graph::new("dxvk-deferred-heaps", SQUARE, Separate, &[(compatibility::dxvk_deferred, ALL_SQUARE)])
+        .bindless(),
+    Graph::new(
+        "dxvk-pooled-heaps",
+        TALL,
+        Separate,
+        &[(compatibility::dxvk_pooled, &[Mirror(0.75), Shadow(2048)])],
+    )
+    .bindless(),
     Graph::new("open-vr", SQUARE, DoubleWide, &[(compatibility::open_vr, ALL_SQUARE)]),
     Graph::new("overlay", TALL, Separate, &[(compatibility::overlay, MIRRORS)]),
     Graph::new(
