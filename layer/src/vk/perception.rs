@@ -101,6 +101,8 @@ impl Perception {
         let same_view = measured.map_or(0, |measured| measured.same_view);
         let mut kept = Kept::new();
         kept.push(target.clone());
+        // Its images are those of the tiles, which may be forgotten while the GPU writes them.
+        kept.push(Arc::clone(&eye_tiles) as Arc<dyn Any + Send + Sync>);
         let record_commands = |commands: vk::CommandBuffer| {
             // SAFETY: the command buffer is a new one for that queue, which supports graphics; all objects that it uses are kept.
             let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
@@ -249,13 +251,9 @@ impl Perception {
         [0, 1].into_iter().for_each(|eye| self.forget_eye(eye));
     }
 
+    /// The tiles of its eye buffers stay in the list of those: the GPU may still use them.
     fn forget_eye(&self, eye: usize) {
-        let forgotten = {
-            let mut state = self.state();
-            let eye = state.eyes[eye].take();
-            let buffers = eye.as_ref().map(|eye| state.eye_buffers.forget_tiles(&eye.tiles));
-            (eye, buffers)
-        };
+        let forgotten = self.state().eyes[eye].take();
         drop(forgotten);
     }
 

@@ -60,12 +60,6 @@ impl EyeBuffers {
         target
     }
 
-    /// Forgets the analyses into tiles that no eye has any more; they go with the result, which is to be dropped without a lock.
-    #[must_use]
-    pub fn forget_tiles(&mut self, gone: &Arc<EyeTiles>) -> Vec<impl Sized + use<>> {
-        self.known.extract_if(.., |known| Arc::ptr_eq(&known.tiles, gone)).collect::<Vec<Known>>()
-    }
-
     /// Forgets the eye buffers of a swapchain; whether there were any.
     pub fn forget(&mut self, swapchain: u64) -> bool {
         let before = self.known.len();

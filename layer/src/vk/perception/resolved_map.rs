@@ -147,7 +147,10 @@ impl Perception {
         if !resolved.as_ref().is_some_and(|known| known.is_for(place, &shapes, &eyes)) {
             *resolved = Some(ResolvedMap::new((frame, rates), &tools, place, form, shapes, eyes));
         }
-        let Targets { texels, mask } = resolved.as_ref()?.targets.as_ref()?;
+        let known = resolved.as_ref()?;
+        // Tiles may be forgotten while the GPU reads them.
+        kept.extend(known.eyes.iter().map(|eye| Arc::clone(eye) as Arc<dyn Any + Send + Sync>));
+        let Targets { texels, mask } = known.targets.as_ref()?;
         // SAFETY: the command buffer is recording, as `# Safety` demands.
         let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
         tools.resolve.record(&commands, texels);
