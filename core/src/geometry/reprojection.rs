@@ -22,7 +22,7 @@ pub struct Reprojection {
 }
 
 impl Reprojection {
-    /// The map from pixels of `from` to pixels of `to`. `None` where there is none: an invalid orientation
+    /// The map from pixels of `from` to pixels of `to`. `None` for an invalid orientation
     /// (zero or not finite), or a `to` that spans no angle.
     pub fn between(from: &View, to: &View) -> Option<Self> {
         let turn = rotation(to.orientation)?.inverse() * rotation(from.orientation)?;

@@ -280,7 +280,7 @@ fn contrast_and_sound_are_left_to_the_gpu() {
     assert_eq!(eye.judged.budget, greatest_loss, "as configured");
     assert_eq!((eye.fixed.sensitivity, eye.judged.sensitivity), (0, 1));
     assert_eq!(eye.judged.tiles, eye.tiles);
-    assert!(eye.judged.full_rate_period > 0, "what is coarse is looked at now and then");
+    assert!(eye.judged.full_rate_period > 0, "coarse tiles have frames at full rate");
     let turned = Quat::from_array(eye.orientation).angle_between(Quat::from_rotation_y(0.4));
     assert!(turned < 1e-3, "the left display is turned against the head, which is turned");
     let eye = decided(Some(AudioFeatures::SILENT));

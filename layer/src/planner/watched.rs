@@ -14,8 +14,8 @@ pub struct Watched {
 }
 
 impl SessionPlanner {
-    /// The watched part of eye buffers of an eye, by the newest plan; `None` where that renders everything in each frame, or it is the other
-    /// eye's turn: both see most of the changes.
+    /// The watched part of eye buffers of an eye, by the newest plan; `None` if the plan renders everything in each frame, and in the frames of
+    /// the other eye: both see most of the changes.
     pub fn watched(&self, eye: usize) -> Option<Watched> {
         let plan = self.planner.as_ref()?.newest();
         if eye != eye_watched_in(plan.frame) {

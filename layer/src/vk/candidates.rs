@@ -28,7 +28,7 @@ pub struct Candidates {
 enum Depth {
     /// Passes with depth, and passes without: a mask in depth is filled ahead of passes without.
     Any,
-    /// Passes with depth alone, or passes without depth alone, each of which has a rate image.
+    /// Either passes with depth or passes without: both kinds have a rate image of their own.
     Is(bool),
 }
 

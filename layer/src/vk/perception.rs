@@ -101,7 +101,7 @@ impl Perception {
         let same_view = measured.map_or(0, |measured| measured.same_view);
         let mut kept = Kept::new();
         kept.push(target.clone());
-        // Its images are those of the tiles, which may be forgotten while the GPU writes them.
+        // The target names images of the tiles: the tiles must outlive the work.
         kept.push(Arc::clone(&eye_tiles) as Arc<dyn Any + Send + Sync>);
         let record_commands = |commands: vk::CommandBuffer| {
             // SAFETY: the command buffer is a new one for that queue, which supports graphics; all objects that it uses are kept.
@@ -251,7 +251,7 @@ impl Perception {
         [0, 1].into_iter().for_each(|eye| self.forget_eye(eye));
     }
 
-    /// The tiles of its eye buffers stay in the list of those: the GPU may still use them.
+    /// Forgets the state of an eye. The list of eye buffers keeps the tiles: the GPU may still use them.
     fn forget_eye(&self, eye: usize) {
         let forgotten = self.state().eyes[eye].take();
         drop(forgotten);
@@ -297,7 +297,6 @@ impl Perception {
         match EyeTiles::new(tools, eye, tiles, extent) {
             Ok(new) => {
                 let new = Arc::new(new);
-                self.forget_eye(eye);
                 self.state().eyes[eye] = Some(Eye { tiles: Arc::clone(&new), measured: None });
                 Some(new)
             }

@@ -84,13 +84,6 @@ impl Session {
         self.active.as_ref().is_some_and(|active| active.plan.sleep.frame_ends(is_asked()))
     }
 
-    /// The session begins or ends.
-    fn set_running(&self, is_running: bool) {
-        if let Some(active) = &self.active {
-            active.plan.set_running(active, is_running);
-        }
-    }
-
     /// Marks submits of this thread as the runtime's, while it is in a call down.
     pub fn runtime_section(&self) -> Option<RuntimeSection> {
         Some(self.active.as_ref()?.device.runtime_section())
@@ -284,15 +277,7 @@ pub unsafe extern "system" fn begin_session(
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own arguments.
-    let below = || unsafe { (next.begin_session)(handle, info) };
-    guard("xrBeginSession", below, |answer| {
-        let _section = known.as_ref().and_then(|known| known.runtime_section());
-        let result = answer.record(below());
-        if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
-            known.set_running(true);
-        }
-        result
-    })
+    set_running("xrBeginSession", known.as_deref(), true, || unsafe { (next.begin_session)(handle, info) })
 }
 
 /// `xrEndSession`: the application may go on to draw, for a window, without frames that would bring a newer plan.
@@ -305,12 +290,23 @@ pub unsafe extern "system" fn end_session(handle: xr::Session) -> xr::Result {
         return xr::Result::ERROR_HANDLE_INVALID;
     };
     // SAFETY: the next layer's function with the application's own argument.
-    let below = || unsafe { (next.end_session)(handle) };
-    guard("xrEndSession", below, |answer| {
-        let _section = known.as_ref().and_then(|known| known.runtime_section());
+    set_running("xrEndSession", known.as_deref(), false, || unsafe { (next.end_session)(handle) })
+}
+
+/// Calls `below`, and notes that the session runs, or does not run any more, if the call succeeds.
+fn set_running(
+    call: &'static str,
+    session: Option<&Session>,
+    is_running: bool,
+    below: impl Fn() -> xr::Result,
+) -> xr::Result {
+    guard(call, &below, |answer| {
+        let _section = session.and_then(Session::runtime_section);
         let result = answer.record(below());
-        if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
-            known.set_running(false);
+        if let (true, Some(active)) =
+            (result.into_raw() >= 0, session.and_then(|known| known.active.as_ref()))
+        {
+            active.plan.set_running(active, is_running);
         }
         result
     })

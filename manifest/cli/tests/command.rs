@@ -29,12 +29,18 @@ fn complained(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-#[test]
-fn installs_says_so_and_uninstalls() {
+/// A home with a library that looks like the layer's, `built.so`.
+fn home_with_library() -> TempDir {
     let home = TempDir::new().unwrap();
     let names =
         "parafovea_xrNegotiateLoaderApiLayerInterface parafovea_vkNegotiateLoaderLayerInterfaceVersion";
     fs::write(home.path().join("built.so"), format!("\u{7f}ELF {names}")).unwrap();
+    home
+}
+
+#[test]
+fn installs_says_so_and_uninstalls() {
+    let home = home_with_library();
     let manifest = home.path().join(".local/share/vulkan/implicit_layer.d/parafovea.json");
 
     let would = printed(&parafovea(home.path(), &["install", "--dry-run", "--library", "built.so"]));
@@ -97,10 +103,7 @@ fn validate_tells_each_error_in_a_line() {
 
 #[test]
 fn a_doctor_that_can_ask_nobody_says_what_is_wrong_and_fixes_what_is_ours() {
-    let home = TempDir::new().unwrap();
-    let names =
-        "parafovea_xrNegotiateLoaderApiLayerInterface parafovea_vkNegotiateLoaderLayerInterfaceVersion";
-    fs::write(home.path().join("built.so"), format!("\u{7f}ELF {names}")).unwrap();
+    let home = home_with_library();
     parafovea(home.path(), &["install", "--library", "built.so"]);
     let config = home.path().join(".config/parafovea/config.toml");
     fs::create_dir_all(config.parent().unwrap()).unwrap();
@@ -218,10 +221,7 @@ fn completions_and_manual_have_every_command() {
 
 #[test]
 fn the_system_is_only_written_to_when_asked_for() {
-    let home = TempDir::new().unwrap();
-    let names =
-        "parafovea_xrNegotiateLoaderApiLayerInterface parafovea_vkNegotiateLoaderLayerInterfaceVersion";
-    fs::write(home.path().join("built.so"), format!("\u{7f}ELF {names}")).unwrap();
+    let home = home_with_library();
     let would =
         printed(&parafovea(home.path(), &["install", "--system", "--dry-run", "--library", "built.so"]));
     assert!(
@@ -233,10 +233,7 @@ fn the_system_is_only_written_to_when_asked_for() {
 
 #[test]
 fn a_second_installation_is_refused() {
-    let home = TempDir::new().unwrap();
-    let names =
-        "parafovea_xrNegotiateLoaderApiLayerInterface parafovea_vkNegotiateLoaderLayerInterfaceVersion";
-    fs::write(home.path().join("built.so"), format!("\u{7f}ELF {names}")).unwrap();
+    let home = home_with_library();
     let install = |data: &str| {
         Command::new(env!("CARGO_BIN_EXE_parafovea"))
             .args(["install", "--library", "built.so"])

@@ -5,7 +5,7 @@ use super::placement::Placements;
 use super::projected::Swapchains;
 use crate::pass_detection::{Event, ImageKey, Target, Transfer, TransferKind};
 
-/// Takes note of which images become eye buffers, or flat layers, by the transfers of a frame. Last to first, so that
+/// Notes the images that become eye buffers, or flat layers, by the transfers of a frame. Last to first, so that
 /// chains of them are followed in one go.
 pub(super) fn transfers(frame: u64, events: &[Event], swapchains: &Swapchains, memory: &mut Memory) {
     for event in events.iter().rev() {

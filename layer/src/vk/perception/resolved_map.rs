@@ -148,7 +148,7 @@ impl Perception {
             *resolved = Some(ResolvedMap::new((frame, rates), &tools, place, form, shapes, eyes));
         }
         let known = resolved.as_ref()?;
-        // Tiles may be forgotten while the GPU reads them.
+        // The tiles must outlive the work.
         kept.extend(known.eyes.iter().map(|eye| Arc::clone(eye) as Arc<dyn Any + Send + Sync>));
         let Targets { texels, mask } = known.targets.as_ref()?;
         // SAFETY: the command buffer is recording, as `# Safety` demands.

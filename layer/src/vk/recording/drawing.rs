@@ -347,7 +347,7 @@ pub unsafe fn leave(buffer: &Buffer, handle: vk::CommandBuffer) {
     }
 }
 
-/// As [`leave`], before a command of which the substitute or its set would change the effect; nothing without masks.
+/// As [`leave`], before a command with another effect under the substitute or its set; nothing without masks.
 ///
 /// # Safety
 ///

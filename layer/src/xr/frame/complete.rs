@@ -27,7 +27,7 @@ pub fn complete<'a>(
         return;
     }
     let settings = CompletionSettings::of(config);
-    // With a second layer, it is not known which passes belong to which; the pictures whose tiles were left out before are completed.
+    // With a second layer, passes cannot be assigned to layers. Eye buffers with stale tiles of the plan before are still completed.
     let only = submission.only_projection();
     let is_only = only.is_some();
     let scene = only.or_else(|| {

@@ -1,4 +1,4 @@
-//! The finished eye buffers of a frame, of which the Vulkan half takes the contrast.
+//! The finished eye buffers of a frame: the Vulkan half measures their contrast.
 
 use super::FrameEnd;
 use super::work::Work;

@@ -1,6 +1,6 @@
 //! Applications of few people: straight, deferred with lights as meshes, with a visibility buffer, with a spectator's camera.
 
-use crate::frame_graphs::frame::{BYTES, DEPTH, Frame, HDR, IDENTITY, LDR, NORMALS, eye_of};
+use crate::frame_graphs::frame::{BYTES, DEPTH, Frame, HDR, IDENTITY, Image, LDR, NORMALS, eye_of};
 use crate::frame_graphs::step::{Step, Truth, Truth::Eye as IsEye, Truth::FullScreen, Truth::Shading};
 use crate::frame_graphs::textures::{Texture, draw_all, draw_all_late};
 
@@ -74,36 +74,35 @@ pub(crate) fn spectator(frame: &mut Frame<'_>, textures: &[Texture]) {
 
 /// Mirrors in the images that the eyes are drawn to later: a pool of render targets.
 pub(crate) fn pooled_mirror(frame: &mut Frame<'_>, textures: &[Texture]) {
-    let mut sampled = draw_all(frame, textures);
-    let size = frame.size();
-    let depth = frame.image("depth", 0, size, DEPTH);
-    let color = frame.image("bright", 0, size, HDR);
-    let mirror = frame.image("mirror", 90, size, LDR);
-    frame.add(Step::new("mirror", Truth::Texture, &[color]).clears(depth).meshes(120, &sampled));
-    frame.add(Step::new("tone-map mirror", Truth::Texture, &[mirror]).full_screen(&[color]));
-    sampled.push(mirror);
-    for view in 0..2 {
-        frame.add(Step::new("scene", IsEye(eye_of(view)), &[color]).clears(depth).meshes(300, &sampled));
-        let swapchain = frame.swapchain(view);
-        frame.add(Step::new("tone-map", FullScreen, &[swapchain]).full_screen(&[color]));
-    }
-    draw_all_late(frame, textures);
+    draw_pooled_mirror(frame, textures, |_, step, depth| step.clears(depth));
 }
 
 /// The same with each depth cleared by a pass of its own, as DXVK clears views that the next framebuffer lacks.
 pub(crate) fn pooled_mirror_with_clears(frame: &mut Frame<'_>, textures: &[Texture]) {
+    draw_pooled_mirror(frame, textures, |frame, step, depth| {
+        frame.add(Step::depth_only("clear", Truth::Texture, depth));
+        step.loads(depth)
+    });
+}
+
+/// `with_depth` gives a step the depth, cleared.
+fn draw_pooled_mirror(
+    frame: &mut Frame<'_>,
+    textures: &[Texture],
+    with_depth: impl Fn(&mut Frame<'_>, Step, Image) -> Step,
+) {
     let mut sampled = draw_all(frame, textures);
     let size = frame.size();
     let depth = frame.image("depth", 0, size, DEPTH);
     let color = frame.image("bright", 0, size, HDR);
     let mirror = frame.image("mirror", 90, size, LDR);
-    frame.add(Step::depth_only("clear", Truth::Texture, depth));
-    frame.add(Step::new("mirror", Truth::Texture, &[color]).loads(depth).meshes(120, &sampled));
+    let step = with_depth(frame, Step::new("mirror", Truth::Texture, &[color]), depth);
+    frame.add(step.meshes(120, &sampled));
     frame.add(Step::new("tone-map mirror", Truth::Texture, &[mirror]).full_screen(&[color]));
     sampled.push(mirror);
     for view in 0..2 {
-        frame.add(Step::depth_only("clear", Truth::Texture, depth));
-        frame.add(Step::new("scene", IsEye(eye_of(view)), &[color]).loads(depth).meshes(300, &sampled));
+        let step = with_depth(frame, Step::new("scene", IsEye(eye_of(view)), &[color]), depth);
+        frame.add(step.meshes(300, &sampled));
         let swapchain = frame.swapchain(view);
         frame.add(Step::new("tone-map", FullScreen, &[swapchain]).full_screen(&[color]));
     }

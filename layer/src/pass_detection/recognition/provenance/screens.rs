@@ -62,8 +62,8 @@ impl Provenance {
         if !drawn.is_empty() && shows(drawn) { Role::FullScreen } else { Role::Unknown }
     }
 
-    /// The role of a full-screen pass without known sources. Behind cameras that may be the scene's, it shades the scene if its unknown reads may
-    /// be those of lighting; else it shows the scene, or draws over it.
+    /// The role of a full-screen pass without known sources. After cameras of a possible scene, it shades the scene if its unknown reads may include
+    /// a G-buffer; otherwise it shows the scene, or draws over it.
     fn role_of_unknown(
         &self,
         (index, pass): (usize, &Pass),
@@ -73,7 +73,7 @@ impl Provenance {
     ) -> Role {
         let may_be_eye = |group: &Group| group.role() == Role::Eye || group.looks_like_eye(events, known);
         let is_off_screen = |group: &Group| !group.is_direct && group.passes[0] < index && may_be_eye(group);
-        // One picture, which compute has written: several images, or none that holds colours, may be those of lighting.
+        // A single colour image, written by compute, is a picture; several images, or identities, may be a G-buffer.
         let shows_one = || {
             let draws = pass.draws.iter();
             let reads =

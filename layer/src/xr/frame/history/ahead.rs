@@ -64,7 +64,7 @@ impl SortedTiles {
         }
     }
 
-    /// Expects another eye buffer of an eye after `pictures`, of which as many will be given up as `lost` were with the last one.
+    /// Expects another eye buffer of an eye after `pictures`. With it, `lost` pictures will be dropped, as with the last one.
     pub(super) fn expect(&mut self, eye: usize, pictures: &[Kept], lost: usize, expected: Expected) {
         let Some(last) = pictures.first() else { return };
         let eye = &mut self.eyes[eye];

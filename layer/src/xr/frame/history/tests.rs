@@ -160,7 +160,7 @@ fn the_same_picture_again_is_no_other() {
     assert_eq!(ages(&history), 2, "shown without a gap");
 }
 
-/// An application recentres by another reference space: tiles of this frame were left out, and the head has hardly turned.
+/// An application recentres by another reference space: this frame has stale tiles, and the head has hardly turned.
 #[test]
 fn a_picture_in_another_space_is_completed_without_a_turn_and_the_next_begins_anew() {
     let mut history = of_two();
@@ -178,7 +178,7 @@ fn a_picture_in_another_space_is_completed_without_a_turn_and_the_next_begins_an
     assert!(goes_on && ages == 1 && border > 0.0, "the first of that space is left: {ages} {border}");
 }
 
-/// Two pairs of swapchains in turn: what is left out of a picture would be in none.
+/// Two pairs of swapchains in turn: the stale tiles of a picture would be in no other.
 #[test]
 fn pictures_of_swapchains_in_turn_do_not_go_on() {
     let mut history = History::default();
