@@ -9,9 +9,9 @@ mod records;
 
 pub use records::{
     AwaitedPlan, BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord,
-    DecisionRecord, EyeBufferRecord, EyeMapRecord, FrameReportRecord, FrameStart, FrameTimeRecord,
-    MOST_FRAME_TIMES, NO_EYE, NO_IMAGE, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord,
-    ShownViewRecord, StaleRecord, SwapchainRecord,
+    DecisionRecord, EyeBufferRecord, EyeMapRecord, EyeViewRecord, FrameReportRecord, FrameStart,
+    FrameTimeRecord, MOST_FRAME_TIMES, NO_EYE, NO_IMAGE, PlanRecord, RatesCopyRecord, SettingsRecord,
+    ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 
 use ash::vk;
@@ -22,7 +22,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 18;
+pub const LINK_VERSION: u32 = 19;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -58,8 +58,12 @@ pub struct LinkTable {
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
     /// Starts a frame with the settings and the plan that are new in it; not called in frames without any.
     pub begin_frame: unsafe extern "C" fn(device: vk::Device, start: *const FrameStart),
-    /// Sends a finished eye buffer, between the work that wrote it and the end of the frame, in a section of the runtime.
+    /// Analyses a finished eye buffer, between the submit that wrote it and the return of its image to the runtime, in a section of the
+    /// runtime.
     pub eye_buffer: unsafe extern "C" fn(device: vk::Device, record: *const EyeBufferRecord),
+    /// Sends the view of an eye buffer, at the end of the frame that shows it; ignored unless [`Self::eye_buffer`] was called for its
+    /// picture.
+    pub eye_view: unsafe extern "C" fn(device: vk::Device, record: *const EyeViewRecord),
     /// Ends the device's frame with its submission, before or after the runtime's xrEndFrame. Writes the report on it to `report`; returns 1,
     /// or 0 when the device is not armed. It waits for nothing.
     pub end_frame: unsafe extern "C" fn(

@@ -95,7 +95,7 @@ fn an_edit_applies_within_a_second() {
     assert_eq!(picture(&reference, AFTER), picture(&edited, AFTER), "after the edit\n{}", edited.log);
 }
 
-fn wait_until(mut condition: impl FnMut() -> bool) {
+pub fn wait_until(mut condition: impl FnMut() -> bool) {
     let start = Instant::now();
     while !condition() {
         assert!(start.elapsed() < Duration::from_secs(60), "waited in vain");

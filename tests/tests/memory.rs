@@ -1,6 +1,7 @@
 //! Memory that frames leave behind in the process.
 
-use parafovea_test_layers::BUDGET_VARIABLE;
+use crate::configuration::wait_until;
+use parafovea_test_layers::{BUDGET_VARIABLE, ShadingRateProfile};
 #[cfg(target_arch = "x86_64")]
 use parafovea_tests::artifacts::Library;
 use parafovea_tests::run::{Application, Run};
@@ -67,6 +68,42 @@ fn re_use_keeps_no_pictures_where_memory_is_short() {
     assert!(refused.contains(reason) && refused.contains("VK_EXT_memory_budget"), "{refused}");
     assert!(!told.contains(reason), "{told}");
     assert!(!refused.contains(" WARN ") && !refused.contains(" ERROR "), "{refused}");
+}
+
+/// The most device memory of the layer, bytes, in a run with rates of that mode, which are turned off and on so many times.
+fn memory_of_rates(mode: &str, switches: u64) -> u64 {
+    const FRAMES: u64 = 330;
+    /// The configuration is read twice a second.
+    const BETWEEN: u64 = 60;
+    let config = |mode| {
+        format!(
+            "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"{mode}\"\nsilence = \"contrast\"\ngate = \"on\"\n"
+        )
+    };
+    let arguments = ["--style", "render-pass", "--size", "256", "--frames", &FRAMES.to_string()];
+    let application = Application::ours("parafovea-zoo", &arguments).unwrap();
+    let edits: Vec<u64> = (1..=2 * switches).map(|edit| edit * BETWEEN).collect();
+    let scenario = Scenario::new(FRAMES).sized(256, 256).in_real_time().saving(&edits);
+    let run = Run::new(&application, &scenario).shading_rates(ShadingRateProfile::NvkTuring).live_counted();
+    let running = run.on(&config(mode)).start().unwrap();
+    for (&frame, mode) in edits.iter().zip(["off", mode].into_iter().cycle()) {
+        wait_until(|| running.has_submitted(1, frame));
+        std::fs::write(running.config_file(), config(mode)).unwrap();
+    }
+    let outcome = running.finish().unwrap().expect_frames(FRAMES).unwrap();
+    assert_eq!(outcome.log.matches("configuration changed").count() as u64, 2 * switches, "{}", outcome.log);
+    outcome.live_objects().unwrap().iter().map(|live| live.own.most_memory).max().unwrap()
+}
+
+/// While rates are turned on again, work with the former tiles may be pending, so that there are twice the tiles for a moment.
+#[test]
+fn contrast_frees_its_tiles_with_each_switch() {
+    let rings = memory_of_rates("fixed", 0);
+    let [once, again] = [0, 2].map(|switches| memory_of_rates("audio-visual", switches));
+    let contrast = once - rings;
+    assert!(contrast > 256 * 256, "contrast takes {contrast} bytes");
+    let grown = again.saturating_sub(once);
+    assert!(grown < contrast, "{grown} bytes more, where contrast takes {contrast}");
 }
 
 /// Number of allocations of the layer in a run of `frames` frames of an application that creates nothing in them.

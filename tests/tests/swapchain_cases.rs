@@ -1,5 +1,5 @@
-//! Every case of `parafovea-cases`, three times: without the layer, with the layer and nothing to do, and with
-//! chroma attenuation. The first run is the reference: the application must observe the same, and the images must
+//! Every case of `parafovea-cases`, four times: without the layer, with the layer and nothing to do, with pictures analysed for their
+//! contrast, and with chroma attenuation. The first run is the reference: the application must observe the same, and the images must
 //! be the same or differ exactly as in the CPU reference of the kernel.
 
 #![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; these are their helpers")]
@@ -15,6 +15,9 @@ use runs::{Finished, run};
 /// The layer with every technique off.
 const OFF: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"off\"\n";
 
+/// The layer with rates by contrast, which are 1x1 all over the picture.
+const ANALYZED: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\nfoveal_deg = 110\ntransitional_deg = 110\n";
+
 /// A case with its expectations of the layer.
 struct Case {
     name: &'static str,
@@ -23,6 +26,8 @@ struct Case {
     format: PixelFormat,
     /// Whether the application's colour swapchains get images of ours where chroma attenuation is on.
     substituted: bool,
+    /// Whether pictures are analysed where rates go by contrast.
+    analyzed: bool,
     /// Width of the images that keep the runtime's swapchain, because of a structure in the chain of their creation; 0: none.
     left_alone: u32,
     /// Frame of the image that each frame shows; empty: its own. If the runtime is not ready for another image, the
@@ -54,6 +59,7 @@ impl Case {
             gaze: Gaze::Centre,
             format: PixelFormat::Rgba8Srgb,
             substituted: true,
+            analyzed: true,
             left_alone: 0,
             shows: &[],
             openxr_validation: true,
@@ -73,11 +79,12 @@ impl Case {
         }
     }
 
-    /// Runs the case three times and judges.
+    /// Runs the case four times and judges.
     fn check(&self) {
         let reference = run(self, None);
         judge::reference(&reference);
         judge::unchanged(self, &reference, &run(self, Some(OFF)));
+        judge::analyzed(self, &reference, &run(self, Some(ANALYZED)));
         judge::processed(self, &reference, &run(self, Some(self.config())));
     }
 }
@@ -102,7 +109,7 @@ cases! {
     unorm { format: PixelFormat::Rgba8Unorm },
     srgb_viewed_as_unorm { openxr_validation: false },
     mip_levels { substituted: false },
-    static_image { substituted: false },
+    static_image { substituted: false, analyzed: false },
     release_without_submit,
     two_releases_before_end_frame,
     resubmit_without_acquire,
@@ -111,7 +118,7 @@ cases! {
     two_swapchains_a_view,
     resolution_change,
     projection_and_quad,
-    quad_only,
+    quad_only { analyzed: false },
     alpha_patterns,
     depth_layer,
     acquire_all,
@@ -135,7 +142,7 @@ cases! {
     unknown_structures { openxr_validation: false, left_alone: 32 },
     no_actions { gaze: Gaze::Tracker },
     own_actions { gaze: Gaze::Tracker, scenario: press_select },
-    own_actions_and_resubmission { gaze: Gaze::Tracker, scenario: glance },
+    own_actions_and_resubmission { gaze: Gaze::Tracker, scenario: glance, analyzed: false },
     own_eye_gaze { gaze: Gaze::Tracker },
 }
 

@@ -252,22 +252,22 @@ impl Analyze {
     /// Records the analysis of `target`. The picture was written by commands recorded before, and is in `layout` before and after. The
     /// content of the tiles is ordered between calls, and before later compute shaders on this queue.
     ///
-    /// `same_view`: number of analyses directly before this one, in the same levels and tiles and by the same parameters, of the view that
-    /// this picture shows. If there are any, the picture and its rates are compared with those before; once they were the same for
+    /// `comparison`: 0, or the number of consecutive analyses up to this one that compare the picture and its rates with those before, in the
+    /// same levels and tiles and by the same parameters; a comparison pays where the view rests. Once they were the same for
     /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, only the comparison is done.
     pub fn record(
         &self,
         commands: &AppCommands,
         target: &AnalyzeTarget,
         layout: vk::ImageLayout,
-        same_view: u32,
+        comparison: u32,
     ) {
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         commands.barrier(target.picture, (layout, Scope::ALL), (read, COMPUTES));
-        if same_view == 0 {
+        if comparison == 0 {
             self.record_all(commands, target);
         } else {
-            self.record_compared(commands, target, same_view == 1);
+            self.record_compared(commands, target, comparison == 1);
         }
         commands.computed_to_computed();
         commands.barrier(target.picture, (read, COMPUTES), (layout, Scope::ALL));

@@ -20,7 +20,7 @@ pub use parafovea_core::kernels::compose::ComposeParams;
 pub use pipelines::Parameters;
 pub use reuse::{EarlierImage, ReuseRegion};
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
-pub use shape::{SwapchainShape, stores_unit_range};
+pub use shape::{SwapchainShape, is_color_format, stores_unit_range};
 
 use super::change::{Change, ChangeRegion, Comparisons, MAX_COMPARED};
 use crate::gpu::{Gpu, GpuError, Later, UniformRing, UniformSet, Uses, serial};
@@ -129,7 +129,7 @@ impl Compose {
 
     /// Whether swapchains of this format can be substituted.
     pub fn supports(&self, format: vk::Format) -> bool {
-        shape::is_color_format(format) && self.gpu.can_compose(format)
+        is_color_format(format) && self.gpu.can_compose(format)
     }
 
     /// Requests the pipelines of draws to this format; [`Self::attenuates`] returns whether they are ready.

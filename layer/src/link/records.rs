@@ -52,8 +52,8 @@ pub struct SwapchainRecord {
     pub usage: vk::ImageUsageFlags,
     /// Usage that they have, which may be more.
     pub granted: vk::ImageUsageFlags,
-    /// 1 if they are the layer's own, in place of the runtime's: [`LinkTable::layout`](super::LinkTable::layout) may ask for their layouts.
-    pub is_virtual: u32,
+    /// 1 if the layer reads them, so that the layouts are followed in which the application's submits leave them; else 0.
+    pub is_read: u32,
 }
 
 /// The newest plan.
@@ -91,7 +91,7 @@ pub struct EyeMapRecord {
     pub orientation: [f32; 4],
 }
 
-/// A finished eye buffer, whose contrast decides the rates of later frames.
+/// A finished eye buffer that is to be analysed: its contrast decides the rates of later frames, once its view is known.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EyeBufferRecord {
@@ -101,7 +101,8 @@ pub struct EyeBufferRecord {
     pub queue: [u32; 2],
     /// The XrSwapchain that it belongs to; that is said to end before its images are destroyed.
     pub swapchain: u64,
-    /// Image that contains it, with the usage SAMPLED, in COLOR_ATTACHMENT_OPTIMAL.
+    /// Image that contains it, with the usage SAMPLED; in COLOR_ATTACHMENT_OPTIMAL, unless the application's submits left it in another
+    /// layout.
     pub image: vk::Image,
     /// Format of the view that it is read through.
     pub format: vk::Format,
@@ -109,14 +110,28 @@ pub struct EyeBufferRecord {
     pub layer: u32,
     /// x, y, width, height, pixels.
     pub rect: [u32; 4],
-    /// [`ImagePlane::origin`](parafovea_core::geometry::ImagePlane::origin) of its view, and the step.
-    pub plane: [[f32; 2]; 2],
-    /// Orientation of its view, as [`EyeMapRecord::orientation`].
-    pub orientation: [f32; 4],
     /// Luminance of white, cd/m^2.
     pub white_cd_m2: f32,
     /// 1: the mean contrast of a tile counts; 0: the greatest.
     pub is_mean: u32,
+}
+
+/// The view that a frame shows an eye buffer in.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EyeViewRecord {
+    /// As in [`EyeBufferRecord`].
+    pub eye: u32,
+    /// As in [`EyeBufferRecord`].
+    pub swapchain: u64,
+    /// As in [`EyeBufferRecord`].
+    pub layer: u32,
+    /// As in [`EyeBufferRecord`].
+    pub rect: [u32; 4],
+    /// [`ImagePlane::origin`](parafovea_core::geometry::ImagePlane::origin) of its view, and the step.
+    pub plane: [[f32; 2]; 2],
+    /// Orientation of its view, as [`EyeMapRecord::orientation`].
+    pub orientation: [f32; 4],
 }
 
 /// The start of a frame.

@@ -153,7 +153,7 @@ impl Armed {
             }
         }
         for &image in images {
-            if record.is_virtual != 0 {
+            if record.is_read != 0 {
                 self.layouts.follow(image);
             }
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));

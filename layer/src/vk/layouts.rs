@@ -1,4 +1,4 @@
-//! The layouts of virtual swapchains' images, as the application leaves them, and the queues that it uses them on.
+//! The layouts of swapchain images that the layer reads, as the application leaves them, and the queues that it uses them on.
 //!
 //! By OpenXR an image is COLOR_ATTACHMENT_OPTIMAL when it is released (XR_KHR_vulkan_enable, "Swapchain Image Layout"). Engines exist that
 //! leave it as they last used it, and runtimes that do not mind.
@@ -8,7 +8,7 @@ use ash::vk;
 use smallvec::SmallVec;
 use std::sync::{PoisonError, RwLock};
 
-/// State of the images of a device's virtual swapchains, by submitted commands.
+/// State of the images that the layer reads, by submitted commands.
 #[derive(Default)]
 pub struct Layouts(RwLock<SmallVec<[Followed; 16]>>);
 
@@ -49,6 +49,11 @@ impl Layouts {
     /// The layout of an image by all that was submitted; `None` if it is not followed.
     pub fn of(&self, image: vk::Image) -> Option<vk::ImageLayout> {
         self.read(|images| images.iter().find(|known| known.image == image).map(|known| known.layout))
+    }
+
+    /// The layout in which submits left an image; the one that OpenXR demands for an image that is not followed.
+    pub fn left_in(&self, image: vk::Image) -> vk::ImageLayout {
+        self.of(image).unwrap_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
     }
 
     /// Whether submits to queues other than `queue` have used an image; `None` before any submit with it.

@@ -7,7 +7,7 @@ use super::objects::QueueId;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, EyeBufferRecord,
+    CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, EyeBufferRecord, EyeViewRecord,
     FrameReportRecord, FrameStart, GetLink, LINK_VERSION, LinkTable, RATES_OF_PLAN, RatesCopyRecord,
     ShownRecord, StaleRecord, SwapchainRecord,
 };
@@ -25,6 +25,7 @@ static TABLE: LinkTable = LinkTable {
     swapchain,
     begin_frame,
     eye_buffer,
+    eye_view,
     end_frame,
     stale,
     copy_rates,
@@ -198,8 +199,20 @@ unsafe extern "C" fn eye_buffer(device: vk::Device, record: *const EyeBufferReco
     unsafe {
         with_armed("vkGetParafoveaLink.eye_buffer", device, record, |armed, record| {
             if let Some(own) = armed.submitter() {
-                armed.perception.analyze(own, record);
+                armed.perception.analyze(own, record, armed.layouts.left_in(record.image));
             }
+        });
+    }
+}
+
+/// # Safety
+///
+/// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
+unsafe extern "C" fn eye_view(device: vk::Device, record: *const EyeViewRecord) {
+    // SAFETY: as above.
+    unsafe {
+        with_armed("vkGetParafoveaLink.eye_view", device, record, |armed, record| {
+            armed.perception.notify_view(record);
         });
     }
 }
@@ -329,9 +342,7 @@ unsafe extern "C" fn layout(device: vk::Device, image: vk::Image) -> vk::ImageLa
         |_| unsafe {
             let known = device::of(device);
             let armed = known.as_ref().and_then(|known| known.armed.as_ref());
-            armed
-                .and_then(|armed| armed.layouts.of(image))
-                .unwrap_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            armed.map_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, |armed| armed.layouts.left_in(image))
         },
     )
 }

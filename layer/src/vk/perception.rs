@@ -1,8 +1,9 @@
 //! Rates by the content of pictures: their contrast stays on the GPU, and so do the decisions from it.
 //!
-//! At xrEndFrame the finished pictures are analysed ([`Perception::analyze`]), on the queue of the session; ahead of the next
-//! submit with a pass of the scene on that queue the rates of the tiles are decided, and resolved into the maps of its passes
-//! ([`Perception::deciding`]). Where any of it is missing, the maps hold the plan's own rates, which are rings.
+//! Finished pictures are analysed on the queue of the session, before their images are the runtime's ([`Perception::analyze`]), and their
+//! contrast counts from the end of their frame on ([`Perception::notify_view`]); ahead of the next submit with a pass of the scene on that
+//! queue the rates of the tiles are decided, and resolved into the maps of its passes ([`Perception::deciding`]). Where any of it is
+//! missing, the maps hold the plan's own rates, which are rings.
 
 mod copied;
 mod eye;
@@ -15,9 +16,9 @@ pub use resolved_map::{MapTarget, ResolvedMap, Written};
 use super::frame::Frame;
 use super::pre_submit::{Kept, PreSubmitRing, Submitter};
 use crate::gpu::{AppCommands, Later};
-use crate::link::{DeviceRecord, EyeBufferRecord};
+use crate::link::{DeviceRecord, EyeBufferRecord, EyeViewRecord};
 use ash::vk;
-use eye::{Eye, EyeTiles, Measured};
+use eye::{Analyzed, Eye, EyeTiles, Measured, Parameters, Place};
 use eye_buffers::EyeBuffers;
 use parafovea_core::kernels::decide::DecideParams;
 use smallvec::SmallVec;
@@ -52,8 +53,8 @@ struct State {
     queue: Option<([u32; 2], vk::Queue)>,
     eyes: [Option<Eye>; 2],
     eye_buffers: EyeBuffers,
-    /// Number of analysed pictures.
-    analyzed: u64,
+    /// Number of pictures whose contrast became known.
+    measured: u64,
     /// The last decision: number of the plan, and of the last analysis.
     decided: Option<(u64, u64)>,
     /// The last logged reason why nothing is decided.
@@ -67,13 +68,13 @@ pub struct Deciding {
 }
 
 impl Perception {
-    /// Analyses a finished picture, if its contrast counts, for the decisions of later frames. It never waits: with too much work in
-    /// progress, the picture is left out.
+    /// Analyses a finished picture, which is in `layout`, if its contrast counts, for the decisions of later frames. It never waits: with too
+    /// much work in progress, the picture is left out.
     ///
     /// # Safety
     ///
     /// As [`EyeBufferRecord`] demands: the image is live and in the state described there, and this thread may use the queue.
-    pub unsafe fn analyze(&self, own: Submitter<'_>, record: &EyeBufferRecord) {
+    pub unsafe fn analyze(&self, own: Submitter<'_>, record: &EyeBufferRecord, layout: vk::ImageLayout) {
         let eye = record.eye as usize;
         if eye > 1 {
             return;
@@ -93,12 +94,12 @@ impl Perception {
         let Some((queue, ring)) = (unsafe { self.queue(own, record.queue) }) else { return };
         let Some(eye_tiles) = self.eye(&tools, eye, tiles, extent) else { return };
         if decision.judged.is_none() {
-            return self.measured(eye, None);
+            return self.forget_contrast(eye);
         }
         let Some(target) = self.picture(&tools, record, texel, &eye_tiles) else { return };
+        let by = Parameters::new(record, texel);
         let last = self.state().eyes[eye].as_ref().and_then(|eye| eye.measured);
-        let measured = Measured::new(record, texel, received, last.as_ref());
-        let same_view = measured.map_or(0, |measured| measured.same_view);
+        let comparison = last.map_or(0, |last| last.next_comparison(by));
         let mut kept = Kept::new();
         kept.push(target.clone());
         // The target names images of the tiles: the tiles must outlive the work.
@@ -106,14 +107,26 @@ impl Perception {
         let record_commands = |commands: vk::CommandBuffer| {
             // SAFETY: the command buffer is a new one for that queue, which supports graphics; all objects that it uses are kept.
             let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
-            let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
-            tools.analyze.record(&commands, &target, layout, same_view);
+            tools.analyze.record(&commands, &target, layout, comparison);
             Ok(())
         };
         // SAFETY: this thread may use the live queue, as `# Safety` demands.
         if unsafe { ring.run(own, queue, kept, record_commands) } {
-            self.measured(eye, measured);
+            let analyzed = Analyzed { place: Place::of(record), received, by, comparison };
+            if let Some(eye) = &mut self.state().eyes[eye] {
+                eye.analyzed = Some(analyzed);
+            }
         }
+    }
+
+    /// A frame shows an eye buffer in a view: the contrast of its picture counts from now on, if it was analysed since the last call.
+    pub fn notify_view(&self, record: &EyeViewRecord) {
+        let mut state = self.state();
+        let Some(Some(eye)) = state.eyes.get_mut(record.eye as usize) else { return };
+        let Some(analyzed) = eye.analyzed.take() else { return };
+        eye.measured = Measured::new(record, &analyzed, eye.measured.as_ref());
+        let is_measured = eye.measured.is_some();
+        state.measured += u64::from(is_measured);
     }
 
     /// The decision ahead of a submit to `queue` that draws the scene; `None` if all is as decided last, or where it cannot be
@@ -127,7 +140,7 @@ impl Perception {
             return None;
         }
         let plan = frame.plan();
-        let of = (plan.received(), state.analyzed);
+        let of = (plan.received(), state.measured);
         if state.decided == Some(of) {
             return None;
         }
@@ -200,10 +213,13 @@ impl Perception {
         state.queue.map(|(_, queue)| queue)
     }
 
-    /// The session ends: nothing is known any more.
+    /// The session ends: nothing is known any more, but which swapchains pending work may read.
     pub fn forget(&self) {
-        let state = std::mem::take(&mut *self.state());
+        let mut state = self.state();
+        let (eyes, known) = (std::mem::take(&mut state.eyes), state.eye_buffers.take_all());
+        state.decided = None;
         drop(state);
+        drop((eyes, known));
     }
 
     /// The device is about to be destroyed, and the GPU is done with everything.
@@ -251,18 +267,18 @@ impl Perception {
         [0, 1].into_iter().for_each(|eye| self.forget_eye(eye));
     }
 
-    /// Forgets the state of an eye. The list of eye buffers keeps the tiles: the GPU may still use them.
+    /// Forgets the state of an eye, and frees its memory once the GPU is done with it.
     fn forget_eye(&self, eye: usize) {
-        let forgotten = self.state().eyes[eye].take();
+        let mut state = self.state();
+        let forgotten = (state.eyes[eye].take(), state.eye_buffers.take_others(eye, None));
+        drop(state);
         drop(forgotten);
     }
 
-    fn measured(&self, eye: usize, measured: Option<Measured>) {
-        let mut state = self.state();
-        if let Some(eye) = &mut state.eyes[eye] {
-            eye.measured = measured;
+    fn forget_contrast(&self, eye: usize) {
+        if let Some(eye) = &mut self.state().eyes[eye] {
+            (eye.analyzed, eye.measured) = (None, None);
         }
-        state.analyzed += u64::from(measured.is_some());
     }
 
     /// The queue of a session, which may draw and compute, and its ring.
@@ -297,7 +313,12 @@ impl Perception {
         match EyeTiles::new(tools, eye, tiles, extent) {
             Ok(new) => {
                 let new = Arc::new(new);
-                self.state().eyes[eye] = Some(Eye { tiles: Arc::clone(&new), measured: None });
+                let mut state = self.state();
+                let next = Eye { tiles: Arc::clone(&new), analyzed: None, measured: None };
+                let forgotten =
+                    (state.eyes[eye].replace(next), state.eye_buffers.take_others(eye, Some(&new)));
+                drop(state);
+                drop(forgotten);
                 Some(new)
             }
             Err(error) => {

@@ -11,6 +11,7 @@ mod work;
 
 pub use complete::sort_ahead;
 pub use debug_view::{DebugViews, draw_over_released};
+pub use eye_buffers::{ShownEyes, analyze_released};
 pub use history::{History, SortedTiles};
 
 use super::offer::PlacedLayers;
@@ -196,6 +197,7 @@ impl FrameEnd<'_> {
             plan::views_shown(session, (active, config), time, scene.views, submission.nearest_m());
         }
         let delivered = deliver(self, &mut report);
+        eye_buffers::notify_views(self);
         plan::report_unseen(session, (active, config), time, &report);
         if let Some(reporter) = session.reporter.as_ref().filter(|reporter| reporter.is_asked()) {
             reporter.report(plan::status(session, active, config, &report), Arc::clone(&config.source));
@@ -222,7 +224,10 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverable> {
     let FrameEnd { session, active, submission, ref config, .. } = *frame;
     let swapchains = swapchain::virtual_ones(session.handle);
-    debug_view::note_shown(frame, report.frame);
+    if let Some(scene) = submission.scene() {
+        active.shown_eyes().note(&scene);
+    }
+    debug_view::note_frame(frame, report.frame);
     let is_drawn_over = debug_view::is_wanted(active, config);
     if swapchains.is_empty() {
         return Ok(());
@@ -249,7 +254,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     match submit(active, tools, &mut works) {
         Ok(()) => {
             // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
-            unsafe { eye_buffers::notify(frame, &works) };
+            unsafe { eye_buffers::analyze_written(frame, &works) };
             if is_drawn_over {
                 // SAFETY: as above. The debug view is drawn last: no pass of the layer reads it.
                 unsafe { debug_view::draw(frame, &works) };

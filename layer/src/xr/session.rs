@@ -54,7 +54,7 @@ impl Session {
         let may_attenuate = config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze();
         let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
         let is_shown = debug_view(config).is_some();
-        is_healthy && (may_attenuate || is_shown || self.may_reuse(config) || self.may_judge(config))
+        is_healthy && (may_attenuate || is_shown || self.may_reuse(config))
     }
 
     /// Whether pictures could be completed from earlier ones: the configuration asks for it, and the device's backend can leave

@@ -38,7 +38,6 @@ use openxr_sys as xr;
 use openxr_sys::Handle;
 use ring::Ring;
 use smallvec::SmallVec;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A swapchain of a session that is not inert.
@@ -52,7 +51,8 @@ pub struct Swapchain {
     acquired_images: Mutex<AcquiredImages>,
     drawn_over: Mutex<DrawnOver>,
     depth: Mutex<Depth>,
-    is_announced: AtomicBool,
+    /// The images that the application draws to, once it has them.
+    images: Mutex<SmallVec<[vk::Image; 4]>>,
 }
 
 impl Swapchain {
@@ -70,7 +70,7 @@ impl Swapchain {
             acquired_images: Mutex::default(),
             drawn_over: Mutex::default(),
             depth: Mutex::default(),
-            is_announced: AtomicBool::new(false),
+            images: Mutex::default(),
         }
     }
 
@@ -82,6 +82,10 @@ impl Swapchain {
     /// Size and array layers of its images.
     pub fn extent_and_layers(&self) -> (vk::Extent2D, u32) {
         self.description.extent_and_layers()
+    }
+
+    fn images(&self) -> MutexGuard<'_, SmallVec<[vk::Image; 4]>> {
+        self.images.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn acquired_images(&self) -> MutexGuard<'_, AcquiredImages> {
@@ -98,14 +102,30 @@ impl Swapchain {
 
     /// Sends the Vulkan half the application's images, once.
     fn notify_images(&self, images: &[vk::Image]) {
-        if !images.is_empty() && !self.is_announced.swap(true, Ordering::Relaxed) {
+        let is_new = {
+            let mut known = self.images();
+            let is_new = known.is_empty() && !images.is_empty();
+            if is_new {
+                *known = images.into();
+            }
+            is_new
+        };
+        if is_new {
             self.notify(images);
         }
     }
 
+    /// The image that the application returns next, and its format, if it is the runtime's and can be analysed.
+    pub fn readable_image(&self) -> Option<(vk::Image, vk::Format)> {
+        let format = self.description.analyzed_format()?;
+        let index = self.acquired_images().ready()?;
+        Some((*self.images().get(index as usize)?, format))
+    }
+
     /// Notifies the Vulkan half that the images are about to be destroyed.
     fn notify_end(&self) {
-        if self.is_announced.swap(false, Ordering::Relaxed) {
+        let images = std::mem::take(&mut *self.images());
+        if !images.is_empty() {
             self.notify(&[]);
         }
     }

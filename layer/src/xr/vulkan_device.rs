@@ -5,8 +5,8 @@ use super::structures::VulkanBinding;
 use crate::config::{Arming, device_armed};
 use crate::link::{
     BACKEND_NONE, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback, DeviceRecord, EyeBufferRecord,
-    FrameReportRecord, FrameStart, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable,
-    LoaderGetDeviceProcAddr, MOST_FRAME_TIMES, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord,
+    EyeViewRecord, FrameReportRecord, FrameStart, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION,
+    LinkTable, LoaderGetDeviceProcAddr, MOST_FRAME_TIMES, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord,
     ShownRecord, StaleRecord, SwapchainRecord,
 };
 use crate::pass_detection::Feedback;
@@ -134,14 +134,20 @@ impl VulkanDevice {
         unsafe { (self.table.begin_frame)(self.record.device, start) }
     }
 
-    /// Sends a finished eye buffer.
+    /// Analyses a finished eye buffer.
     ///
     /// # Safety
     ///
     /// As [`EyeBufferRecord`] demands.
-    pub unsafe fn notify_eye_buffer(&self, record: &EyeBufferRecord) {
+    pub unsafe fn analyze_eye_buffer(&self, record: &EyeBufferRecord) {
         // SAFETY: the device is live, as above; the record is as [`EyeBufferRecord`] demands.
         unsafe { (self.table.eye_buffer)(self.record.device, record) }
+    }
+
+    /// Sends the view of an eye buffer.
+    pub fn notify_eye_view(&self, record: &EyeViewRecord) {
+        // SAFETY: the device is live, as above; the record is plain data.
+        unsafe { (self.table.eye_view)(self.record.device, record) }
     }
 
     /// Ends a frame with its submission, and takes the report on it. A steady frame allocates nothing.

@@ -27,6 +27,9 @@ pub struct Finished {
 pub fn run(case: &Case, config: Option<&str>) -> Finished {
     let mut arguments = vec![case.name];
     arguments.extend(case.arguments);
+    if config == Some(super::ANALYZED) {
+        arguments.extend(["--pause-ms", "400"]);
+    }
     let application = Application::ours("parafovea-cases", &arguments).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let scenario = scenario(case, folder.path().to_str().unwrap());
@@ -36,6 +39,9 @@ pub fn run(case: &Case, config: Option<&str>) -> Finished {
     }
     if let Some(config) = config {
         run = run.on(config);
+        if config == super::ANALYZED {
+            run = run.faulted(None);
+        }
     }
     let outcome = run.finish().unwrap();
     let report = outcome.output.lines().find_map(|line| serde_json::from_str(line).ok());

@@ -78,6 +78,9 @@ impl<'a> Session<'a> {
     ) -> Result<(), Failure> {
         for index in 0..count {
             self.poll()?;
+            if index == 3 {
+                std::thread::sleep(self.app.pause);
+            }
             body(&self.next_frame(index)?)?;
         }
         Ok(())

@@ -36,7 +36,7 @@ impl SwapchainShape {
 }
 
 /// Formats that hold a picture that we can work on.
-pub(super) fn is_color_format(format: vk::Format) -> bool {
+pub fn is_color_format(format: vk::Format) -> bool {
     stores_unit_range(format) || format == vk::Format::R16G16B16A16_SFLOAT
 }
 

@@ -8,6 +8,7 @@ use crate::link::EyeBufferRecord;
 use ash::vk;
 use parafovea_core::color::Matrix;
 use parafovea_core::kernels::analyze::{Aggregation, ContrastSettings};
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Most images of an application; with more, the list is emptied.
@@ -17,6 +18,8 @@ const MOST: usize = 64;
 #[derive(Default)]
 pub struct EyeBuffers {
     known: Vec<Known>,
+    /// The swapchains with images that were ever analysed, known or not: work that reads them may be pending.
+    swapchains: SmallVec<[u64; 4]>,
 }
 
 /// Place of an eye buffer, and the parameters of its analysis.
@@ -31,7 +34,8 @@ struct EyeBufferKey {
     is_mean: u32,
 }
 
-struct Known {
+/// An eye buffer that was analysed before.
+pub struct Known {
     key: EyeBufferKey,
     tiles: Arc<EyeTiles>,
     target: Arc<AnalyzeTarget>,
@@ -55,16 +59,33 @@ impl EyeBuffers {
         if self.known.len() >= MOST {
             self.known.clear();
         }
+        if !self.swapchains.contains(&record.swapchain) {
+            self.swapchains.push(record.swapchain);
+        }
         let (key, target) = (EyeBufferKey::of(record), Arc::new(target));
         self.known.push(Known { key, tiles: Arc::clone(tiles), target: Arc::clone(&target) });
         target
     }
 
-    /// Forgets the eye buffers of a swapchain; whether there were any.
+    /// Forgets the eye buffers of a swapchain; whether its images were ever analysed.
     pub fn forget(&mut self, swapchain: u64) -> bool {
-        let before = self.known.len();
         self.known.retain(|known| known.key.swapchain != swapchain);
-        self.known.len() < before
+        let before = self.swapchains.len();
+        self.swapchains.retain(|known| *known != swapchain);
+        self.swapchains.len() < before
+    }
+
+    /// Takes out the eye buffers that were analysed into other tiles of an eye than `kept`.
+    pub fn take_others(&mut self, eye: usize, kept: Option<&Arc<EyeTiles>>) -> Vec<Known> {
+        let is_other = |known: &mut Known| {
+            known.tiles.eye == eye && !kept.is_some_and(|kept| Arc::ptr_eq(kept, &known.tiles))
+        };
+        self.known.extract_if(.., is_other).collect()
+    }
+
+    /// Takes out all eye buffers.
+    pub fn take_all(&mut self) -> Vec<Known> {
+        std::mem::take(&mut self.known)
     }
 }
 

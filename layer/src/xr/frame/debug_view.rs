@@ -5,6 +5,7 @@
 //! the frame before.
 
 use super::FrameEnd;
+use super::eye_buffers::{ShownEye, eyes_of};
 use super::regions::{Images, rect_within};
 use super::work::Work;
 use crate::config::{Config, debug_view};
@@ -14,12 +15,9 @@ use crate::kernels::debug_view::{DebugView, DebugViewJob, DebugViewParams, Debug
 use crate::link::RatesCopyRecord;
 use crate::planner::DebugOverlay;
 use crate::xr::session::{Active, Health};
-use crate::xr::submission::Projection;
 use crate::xr::swapchain::Swapchain;
 use crate::xr::vulkan_device::RatesCopy;
 use ash::vk;
-use openxr_sys as xr;
-use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 use std::sync::Arc;
 
@@ -29,20 +27,11 @@ pub struct DebugViews {
     pass: Option<DebugViewPass>,
     /// The maps of the eyes.
     maps: [Vec<u8>; 2],
-    /// Eye buffers of the last frame.
-    shown: [Option<ShownEye>; 2],
-    /// Number of that frame.
+    /// Number of the last frame that showed a scene.
     frame: u64,
     /// The view that was drawn last, and the number of the last frame at that time.
     drawn: Option<(DebugView, u64)>,
     has_failed: bool,
-}
-
-/// Place of an eye buffer, and its field of view.
-#[derive(Clone, Copy)]
-struct ShownEye {
-    sub_image: xr::SwapchainSubImage,
-    fov: Fov,
 }
 
 /// An eye buffer that is drawn over.
@@ -78,15 +67,11 @@ pub fn is_wanted(active: &Active, config: &Config) -> bool {
     is_asked && !views.has_failed && active.health() == Health::Works
 }
 
-/// Notes the places of the eye buffers, for drawing over them before the next frame ends; `number` is the frame's.
-pub fn note_shown(frame: &FrameEnd, number: u64) {
+/// Notes the number of a frame that shows a scene.
+pub fn note_frame(frame: &FrameEnd, number: u64) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
-    if debug_view(config).is_none() {
-        return;
-    }
-    if let Some(scene) = submission.scene() {
-        let mut views = active.debug_views();
-        (views.shown, views.frame) = (shown_eyes(&scene), number);
+    if debug_view(config).is_some() && submission.scene().is_some() {
+        active.debug_views().frame = number;
     }
 }
 
@@ -98,7 +83,7 @@ pub fn note_shown(frame: &FrameEnd, number: u64) {
 pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
     let FrameEnd { session, active, submission, ref config, .. } = *frame;
     let Some(scene) = submission.scene() else { return };
-    let pictures = shown_eyes(&scene).into_iter().enumerate().filter_map(|(eye, shown)| {
+    let pictures = eyes_of(&scene).into_iter().enumerate().filter_map(|(eye, shown)| {
         let shown = shown?;
         let work = works.iter().find(|work| work.swapchain.handle == shown.sub_image.swapchain)?;
         let (runtime, runtime_index, rect) = work.written(&shown.sub_image)?;
@@ -120,10 +105,8 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
     if debug_view(&config).is_none() || !is_wanted(active, &config) {
         return;
     }
-    let shown = active.debug_views().shown;
-    let is_its =
-        |shown: &Option<ShownEye>| shown.is_some_and(|shown| shown.sub_image.swapchain == swapchain.handle);
-    if !shown.iter().any(is_its) {
+    let shown = active.shown_eyes().of(swapchain.handle);
+    if shown.iter().all(Option::is_none) {
         return;
     }
     let Some(tools) = active.tools() else { return };
@@ -131,7 +114,7 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
     let (extent, array_layers) = swapchain.extent_and_layers();
     swapchain.draw_over(&tools.gpu, |runtime, runtime_index| {
         let pictures = shown.into_iter().enumerate().filter_map(|(eye, shown)| {
-            let shown = shown.filter(|shown| shown.sub_image.swapchain == swapchain.handle)?;
+            let shown = shown?;
             let rect = rect_within(&shown.sub_image, &Images { extent, array_layers, is_unit_range: true })?;
             Some(EyePicture { eye, shown, runtime, runtime_index, rect })
         });
@@ -234,12 +217,4 @@ unsafe fn draw_eyes(
         jobs.push(DebugViewJob { eye, runtime, runtime_index, array_layer, params, map });
     }
     Ok(!jobs.is_empty() && pass.submit(&jobs)?)
-}
-
-/// Eye buffers of a projection layer.
-fn shown_eyes(scene: &Projection<'_>) -> [Option<ShownEye>; 2] {
-    [0, 1].map(|eye| {
-        let view = scene.views.get(eye)?;
-        Some(ShownEye { sub_image: view.sub_image, fov: view.fov })
-    })
 }

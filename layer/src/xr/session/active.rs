@@ -7,7 +7,7 @@ use crate::inputs::cost::{GpuCost, GpuCosts};
 use crate::kernels::compose::Compose;
 use crate::link::MOST_FRAME_TIMES;
 use crate::status::take_over_decision;
-use crate::xr::frame::DebugViews;
+use crate::xr::frame::{DebugViews, ShownEyes};
 use crate::xr::plan::SessionPlan;
 use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use smallvec::SmallVec;
@@ -23,6 +23,7 @@ pub struct Active {
     report: Mutex<FrameReport>,
     costs: Mutex<GpuCosts>,
     debug_views: Mutex<DebugViews>,
+    shown_eyes: Mutex<ShownEyes>,
     tools: OnceLock<Option<Tools>>,
     health: AtomicU8,
     /// Number of decisions of the Vulkan half that were taken over.
@@ -61,6 +62,7 @@ impl Active {
             report: Mutex::default(),
             costs: Mutex::default(),
             debug_views: Mutex::default(),
+            shown_eyes: Mutex::default(),
             tools: OnceLock::new(),
             health: AtomicU8::new(Health::Works as u8),
             decisions: AtomicU32::new(0),
@@ -122,6 +124,11 @@ impl Active {
     /// State of its debug view.
     pub fn debug_views(&self) -> MutexGuard<'_, DebugViews> {
         self.debug_views.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The eye buffers of the last frames.
+    pub fn shown_eyes(&self) -> MutexGuard<'_, ShownEyes> {
+        self.shown_eyes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Its remaining abilities.

@@ -2,23 +2,25 @@
 
 use super::description::Description;
 use super::eligibility::{
-    NotSubstituted, filled_usage, kept_depth_usage, runtime_usage, shape, vulkan_usage,
+    NotSubstituted, analyzed_usage, filled_usage, kept_depth_usage, runtime_usage, shape, vulkan_usage,
 };
 use super::{SWAPCHAINS, Substitute, Swapchain, depth};
 use crate::abi::guard;
 use crate::config::{Config, images_for_reuse, wants_maps};
+use crate::kernels::analyze;
 use crate::kernels::compose::{APP_USAGE, SwapchainShape};
 use crate::link::BACKEND_MASK;
 use crate::xr::session::{self, Active, Session};
 use ash::vk;
 use ash::vk::Handle;
 use openxr_sys as xr;
+use smallvec::SmallVec;
 use std::ptr;
 use std::sync::Arc;
 
-/// `xrCreateSwapchain`: for a virtual one, for one whose pictures may have to be filled, and for one with depth that may be copied, the
-/// runtime is asked for more usage. If it refuses, the application's call is made unchanged, so that the application gets the runtime's own
-/// result.
+/// `xrCreateSwapchain`: for a virtual one, for one whose pictures may be analysed or have to be filled, and for one with depth that may be
+/// copied, the runtime is asked for more usage. If it refuses, the application's call is made unchanged, so that the application gets the
+/// runtime's own result.
 ///
 /// # Safety
 ///
@@ -51,34 +53,35 @@ pub unsafe extern "system" fn create(
                 Some(asked) => unsafe { plan(known, active, &config, asked) },
                 None => Err(NotSubstituted::NoWork),
             };
+            // The result with the first of these usages that the runtime accepts, and that usage.
+            let with_first = |asked: &xr::SwapchainCreateInfo, usages: &[xr::SwapchainUsageFlags]| {
+                let mut done = (xr::Result::ERROR_RUNTIME_FAILURE, asked.usage_flags);
+                for &usage_flags in usages {
+                    let before = done;
+                    done = (below(&xr::SwapchainCreateInfo { usage_flags, ..*asked }), usage_flags);
+                    if done.0.into_raw() >= 0 {
+                        if usages.first() != Some(&usage_flags) {
+                            tracing::info!("the runtime accepts no more swapchain usage: {:?}", before.0);
+                        }
+                        break;
+                    }
+                }
+                done
+            };
             let mut result = xr::Result::ERROR_RUNTIME_FAILURE;
-            // Usage of the runtime's images, once a call succeeds.
             let mut usage_flags = xr::SwapchainUsageFlags::EMPTY;
             if let (Some(asked), Ok(_)) = (asked, &planned) {
-                let may_judge = known.may_judge(&config);
-                usage_flags = runtime_usage(asked.usage_flags, may_judge);
-                result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
-                if result.into_raw() < 0 && may_judge {
-                    tracing::info!(
-                        "rates by eccentricity alone: the runtime's images cannot be read: {result:?}"
-                    );
-                    usage_flags = runtime_usage(asked.usage_flags, false);
-                    result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
-                }
-                if result.into_raw() < 0 {
-                    planned = Err(NotSubstituted::Usage(result));
-                }
+                (result, usage_flags) = with_first(asked, &virtual_usages(known, &config, asked));
             }
-            if planned.is_err() {
-                let more = asked.and_then(|asked| Some((asked, more_usage(active, &config, asked)?)));
-                if let Some((asked, more)) = more {
-                    usage_flags = more;
-                    result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
-                }
-                if result.into_raw() < 0 {
-                    usage_flags = asked.map_or(usage_flags, |asked| asked.usage_flags);
-                    result = below(info);
-                }
+            if planned.is_ok() && result.into_raw() < 0 {
+                planned = Err(NotSubstituted::Usage(result));
+            }
+            if let (Some(asked), Err(_)) = (asked, &planned) {
+                (result, usage_flags) = with_first(asked, &more_usages(known, active, &config, asked));
+            }
+            if result.into_raw() < 0 {
+                usage_flags = asked.map_or(usage_flags, |asked| asked.usage_flags);
+                result = below(info);
             }
             if answer.record(result).into_raw() >= 0 {
                 // SAFETY: the call succeeded, so `swapchain` points to the new handle.
@@ -92,16 +95,37 @@ pub unsafe extern "system" fn create(
     )
 }
 
-/// The usage of the runtime's images, where the application draws to them itself; `None` if that is the application's own.
-fn more_usage(
+/// Usages of the runtime's images of a virtual swapchain, best first.
+fn virtual_usages(
+    session: &Session,
+    config: &Config,
+    info: &xr::SwapchainCreateInfo,
+) -> SmallVec<[xr::SwapchainUsageFlags; 2]> {
+    let analyzed = session.may_judge(config).then_some(true);
+    analyzed.into_iter().chain([false]).map(|analyzed| runtime_usage(info.usage_flags, analyzed)).collect()
+}
+
+/// Usages of the runtime's images, best first, where the application draws to them itself; none if only the application's own is needed.
+fn more_usages(
+    session: &Session,
     active: &Active,
     config: &Config,
     info: &xr::SwapchainCreateInfo,
-) -> Option<xr::SwapchainUsageFlags> {
-    if may_be_filled(active, config, info) {
-        return Some(filled_usage(info.usage_flags));
-    }
-    depth::may_be_kept(active, config, info).then(|| kept_depth_usage(info.usage_flags))
+) -> SmallVec<[xr::SwapchainUsageFlags; 2]> {
+    let asked = info.usage_flags;
+    let needed = match () {
+        () if may_be_filled(active, config, info) => filled_usage(asked),
+        () if depth::may_be_kept(active, config, info) => kept_depth_usage(asked),
+        () => asked,
+    };
+    let may_be_analyzed = session.may_judge(config)
+        && asked.contains(xr::SwapchainUsageFlags::COLOR_ATTACHMENT)
+        && Description::new(info, analyze::USAGE).analyzed_format().is_some();
+    let analyzed = may_be_analyzed.then(|| analyzed_usage(needed));
+    let mut usages: SmallVec<_> =
+        analyzed.into_iter().chain([needed]).filter(|more| *more != asked).collect();
+    usages.dedup();
+    usages
 }
 
 /// Whether passes that draw to a swapchain may have masks.

@@ -1,7 +1,8 @@
 //! Properties of a swapchain's images, for the Vulkan half.
 
 use super::eligibility::vulkan_usage;
-use crate::kernels::compose::{DEPTH_USAGE, DepthShape, SwapchainShape};
+use crate::kernels::analyze;
+use crate::kernels::compose::{DEPTH_USAGE, DepthShape, SwapchainShape, is_color_format};
 use crate::link::SwapchainRecord;
 use ash::vk;
 use openxr_sys as xr;
@@ -55,6 +56,13 @@ impl Description {
         Ok(SwapchainShape { format, extent, array_layers, usage, mutable: false, view_formats: Vec::new() })
     }
 
+    /// The format in which the images can be analysed; `None` if they cannot be.
+    pub fn analyzed_format(&self) -> Option<vk::Format> {
+        let is_plain = !self.has_flags && self.samples == 1 && self.faces == 1;
+        let can_be = is_plain && self.granted.contains(analyze::USAGE) && is_color_format(self.format);
+        can_be.then_some(self.format)
+    }
+
     /// Whether the images can have depth that can be copied.
     pub fn can_copy_depth(&self) -> bool {
         let needed = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | DEPTH_USAGE;
@@ -79,7 +87,7 @@ impl Description {
             samples: self.samples,
             usage: self.usage,
             granted: self.granted,
-            is_virtual: u32::from(is_virtual),
+            is_read: u32::from(is_virtual || self.analyzed_format().is_some()),
         }
     }
 }

@@ -127,6 +127,11 @@ pub fn kept_depth_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFla
     with(asked, DEPTH_USAGE)
 }
 
+/// As [`runtime_usage`], where the pictures in the runtime's images are analysed as the application draws them.
+pub fn analyzed_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFlags {
+    with(asked, analyze::USAGE)
+}
+
 /// As [`runtime_usage`], where passes that draw to the runtime's images may have masks.
 pub fn filled_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFlags {
     with(asked, fill::USAGE)

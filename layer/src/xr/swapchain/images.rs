@@ -3,7 +3,7 @@
 use super::ring::CallOrderInvalid;
 use super::{Substitute, Swapchain, find};
 use crate::abi::{attempt, guard};
-use crate::xr::frame::draw_over_released;
+use crate::xr::frame::{analyze_released, draw_over_released};
 use ash::vk;
 use ash::vk::Handle;
 use openxr_sys as xr;
@@ -212,7 +212,9 @@ pub unsafe extern "system" fn release_image(
         let Some(substitute) = substitute_of(&known) else {
             if let Some(known) = known.as_ref().filter(|known| !known.session.is_asleep()) {
                 // SAFETY: in this call the queue is the runtime's, hence ours, and until it returns the image is the application's,
-                // which has submitted all that draws to it.
+                // which has submitted all that draws to it. The debug view comes last: nothing of it is analysed.
+                attempt("the contrast of an image", || unsafe { analyze_released(known) });
+                // SAFETY: as above.
                 attempt("the debug view", || unsafe { draw_over_released(known) });
                 attempt("the depth of an image", || known.keep_depth());
             }

@@ -3,9 +3,9 @@
 use crate::config::Arming;
 use crate::link::{
     AwaitedPlan, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, DecisionRecord, DestroyDeviceCallback,
-    DeviceRecord, EyeBufferRecord, FrameReportRecord, FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable,
-    MOST_FRAME_TIMES, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
-    SwapchainRecord,
+    DeviceRecord, EyeBufferRecord, EyeViewRecord, FrameReportRecord, FrameStart, FrameTimeRecord,
+    LINK_VERSION, LinkTable, MOST_FRAME_TIMES, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord,
+    ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -89,6 +89,7 @@ pub fn table() -> LinkTable {
         swapchain,
         begin_frame,
         eye_buffer,
+        eye_view,
         end_frame,
         stale,
         copy_rates,
@@ -273,6 +274,10 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
 /// As the call.
 unsafe extern "C" fn eye_buffer(_: vk::Device, _: *const EyeBufferRecord) {
     note("eye_buffer");
+}
+
+unsafe extern "C" fn eye_view(_: vk::Device, _: *const EyeViewRecord) {
+    note("eye_view");
 }
 
 /// # Safety
