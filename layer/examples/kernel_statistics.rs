@@ -111,6 +111,7 @@ unsafe fn device() -> Result<DeviceRecord, String> {
             next_get_device_proc_addr: asking,
             set_device_loader_data,
             arming: parafovea::config::Arming::Rates as u32,
+            submits_late: 0,
         };
         // The loader library must outlive the device.
         std::mem::forget(entry);

@@ -115,6 +115,8 @@ pub struct DeviceRecord {
         unsafe extern "system" fn(device: vk::Device, object: *mut c_void) -> vk::Result,
     /// [`Arming`](crate::config::Arming) of the device.
     pub arming: u32,
+    /// 1 where the draws to an image may be submitted after its xrReleaseSwapchainImage, before xrEndFrame; else 0.
+    pub submits_late: u32,
 }
 
 /// `vkGetDeviceProcAddr` as the application's Vulkan loader exports it.

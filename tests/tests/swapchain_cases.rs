@@ -161,6 +161,15 @@ fn vulkan_1_0_application() {
     Case { arguments: &["--vulkan", "1.0"], ..Case::new("separate_swapchains") }.check();
 }
 
+/// A translated application, whose draws may be submitted after the image was returned: its pictures are analysed as they are copied.
+#[test]
+fn direct3d_application() {
+    let case = Case { arguments: &["--engine", "DXVK"], ..Case::new("separate_swapchains") };
+    let (reference, run) = (run(&case, None), run(&case, Some(ANALYZED)));
+    judge::processed_as_they_are(&case, &reference, &run);
+    assert!(run.outcome.log.contains("is virtual"), "{}", run.outcome.log);
+}
+
 /// The left select button goes down in the application's third frame or so, and up two later.
 fn press_select(scenario: &mut Scenario) {
     let path = "/user/hand/left/input/select/click".to_owned();

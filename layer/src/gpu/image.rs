@@ -112,7 +112,18 @@ pub(crate) fn color_view(
     format: vk::Format,
     layer: u32,
 ) -> Result<Owned<vk::ImageView>, GpuError> {
-    layer_view(gpu, image, format, vk::ImageAspectFlags::COLOR, layer)
+    layer_view(gpu, image, format, vk::ImageAspectFlags::COLOR, layer, None)
+}
+
+/// The same, to be sampled alone: the image may have usage that its format does not support.
+pub(crate) fn sampled_view(
+    gpu: &Arc<Gpu>,
+    image: vk::Image,
+    format: vk::Format,
+    layer: u32,
+) -> Result<Owned<vk::ImageView>, GpuError> {
+    let usage = Some(vk::ImageUsageFlags::SAMPLED);
+    layer_view(gpu, image, format, vk::ImageAspectFlags::COLOR, layer, usage)
 }
 
 /// A view of the depth of one layer of an image of a format with depth.
@@ -122,7 +133,7 @@ pub(crate) fn depth_view(
     format: vk::Format,
     layer: u32,
 ) -> Result<Owned<vk::ImageView>, GpuError> {
-    layer_view(gpu, image, format, vk::ImageAspectFlags::DEPTH, layer)
+    layer_view(gpu, image, format, vk::ImageAspectFlags::DEPTH, layer, None)
 }
 
 fn layer_view(
@@ -131,8 +142,10 @@ fn layer_view(
     format: vk::Format,
     aspect_mask: vk::ImageAspectFlags,
     layer: u32,
+    usage: Option<vk::ImageUsageFlags>,
 ) -> Result<Owned<vk::ImageView>, GpuError> {
-    let info = vk::ImageViewCreateInfo::default()
+    let mut view_usage = vk::ImageViewUsageCreateInfo::default().usage(usage.unwrap_or_default());
+    let mut info = vk::ImageViewCreateInfo::default()
         .image(image)
         .view_type(vk::ImageViewType::TYPE_2D)
         .format(format)
@@ -143,6 +156,9 @@ fn layer_view(
             base_array_layer: layer,
             layer_count: 1,
         });
+    if usage.is_some() && gpu.api_version >= vk::API_VERSION_1_1 {
+        info = info.push_next(&mut view_usage);
+    }
     // SAFETY: the image is a live one of this device with this format, aspect and layer.
     unsafe {
         let handle =

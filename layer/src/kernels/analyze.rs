@@ -7,7 +7,7 @@ pub use parafovea_core::kernels::analyze::AnalyzeParams;
 use super::compose::stores_unit_range;
 use crate::gpu::{
     AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImageDescription,
-    ImagePart, Owned, OwnedImage, Scope, color_view,
+    ImagePart, Owned, OwnedImage, Scope, color_view, sampled_view,
 };
 use ash::vk;
 use parafovea_core::kernels::analyze::{Shown, level_blocks, levels_extent};
@@ -18,6 +18,10 @@ use std::sync::Arc;
 
 /// Usage of a picture to be analysed.
 pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::SAMPLED;
+
+/// Usage of an image with one that is analysed as the application returns it: in COLOR_ATTACHMENT_OPTIMAL, as OpenXR demands.
+pub const RELEASED_USAGE: vk::ImageUsageFlags =
+    vk::ImageUsageFlags::from_raw(USAGE.as_raw() | vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw());
 
 /// Parameters, picture, levels of the pyramid, contrast, rates, shown picture, time for which the picture has been the same.
 const BINDINGS: [vk::DescriptorType; 7] = [
@@ -222,7 +226,7 @@ impl Analyze {
             return Err(GpuError::Invalid("an image of another size or tile layout"));
         }
         let gpu = &self.gpu;
-        let view = color_view(gpu, image, format, layer)?;
+        let view = sampled_view(gpu, image, format, layer)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let params_buffer = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(params))?;
         let bound = [

@@ -52,7 +52,9 @@ pub struct SwapchainRecord {
     pub usage: vk::ImageUsageFlags,
     /// Usage that they have, which may be more.
     pub granted: vk::ImageUsageFlags,
-    /// 1 if the layer reads them, so that the layouts are followed in which the application's submits leave them; else 0.
+    /// 1 if they are the layer's own, in place of the runtime's; else 0.
+    pub is_virtual: u32,
+    /// 1 if the layer may read them, so that the layouts are followed in which the application's submits leave them; else 0.
     pub is_read: u32,
 }
 

@@ -25,6 +25,7 @@ use ash::vk;
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::options::PassRulesError;
 use smallvec::SmallVec;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A device of an enabled process whose loader lets layers make objects of their own.
@@ -55,6 +56,8 @@ pub struct Armed {
     pub perception: Perception,
     /// GPU time of its frames.
     pub timing: Timing,
+    /// Whether any pipeline of the application was made with viewports of its own.
+    has_static_viewports: AtomicBool,
     functions: OnceLock<Option<Functions>>,
     /// Callbacks for the end of the device.
     end_callbacks: Mutex<SmallVec<[DestroyDeviceCallback; 1]>>,
@@ -90,6 +93,7 @@ impl Armed {
             rings: Table::default(),
             perception: Perception::default(),
             timing: Timing::new(record.physical_device, capabilities.is_cpu != 0),
+            has_static_viewports: AtomicBool::new(false),
             functions: OnceLock::new(),
             end_callbacks: Mutex::default(),
         }
@@ -123,6 +127,16 @@ impl Armed {
         self.functions.get_or_init(load).as_ref()
     }
 
+    /// Whether any pipeline of the application was made with viewports of its own, so that no command tells where it draws.
+    pub fn has_static_viewports(&self) -> bool {
+        self.has_static_viewports.load(Ordering::Relaxed)
+    }
+
+    /// The application makes a pipeline with viewports of its own.
+    pub fn note_static_viewports(&self) {
+        self.has_static_viewports.store(true, Ordering::Relaxed);
+    }
+
     /// The parts with which work of ours is submitted; `None` if a needed function is missing.
     pub fn submitter(&self) -> Option<Submitter<'_>> {
         Some(Submitter {
@@ -154,7 +168,7 @@ impl Armed {
         }
         for &image in images {
             if record.is_read != 0 {
-                self.layouts.follow(image);
+                self.layouts.follow(image, record.is_virtual != 0);
             }
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
         }

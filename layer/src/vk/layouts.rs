@@ -15,6 +15,7 @@ pub struct Layouts(RwLock<SmallVec<[Followed; 16]>>);
 /// An image that is followed.
 struct Followed {
     image: vk::Image,
+    is_virtual: bool,
     layout: vk::ImageLayout,
     /// Queues of submits that used it.
     queues: SmallVec<[QueueId; 2]>,
@@ -23,17 +24,22 @@ struct Followed {
 }
 
 impl Followed {
-    fn new(image: vk::Image) -> Self {
+    fn new(image: vk::Image, is_virtual: bool) -> Self {
         let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
-        Self { image, layout, queues: SmallVec::new(), is_used_elsewhere: false }
+        Self { image, is_virtual, layout, queues: SmallVec::new(), is_used_elsewhere: false }
     }
 }
 
 impl Layouts {
-    /// Begins to follow an image, which is COLOR_ATTACHMENT_OPTIMAL.
-    pub fn follow(&self, image: vk::Image) {
+    /// Begins to follow an image, of a virtual swapchain or not, which is COLOR_ATTACHMENT_OPTIMAL.
+    pub fn follow(&self, image: vk::Image, is_virtual: bool) {
         self.forget(image);
-        self.write(|images| images.push(Followed::new(image)));
+        self.write(|images| images.push(Followed::new(image, is_virtual)));
+    }
+
+    /// Whether images of virtual swapchains are followed: these are read in each frame.
+    pub fn has_virtual(&self) -> bool {
+        self.read(|images| images.iter().any(|known| known.is_virtual))
     }
 
     /// An image is none of a swapchain's any more.
@@ -101,7 +107,10 @@ mod tests {
         let layouts = Layouts::default();
         let [ours, other] = [1, 2].map(vk::Image::from_raw);
         assert!(layouts.is_empty());
-        layouts.follow(ours);
+        layouts.follow(ours, false);
+        assert!(!layouts.is_empty() && !layouts.has_virtual());
+        layouts.follow(ours, true);
+        assert!(layouts.has_virtual());
         assert_eq!(layouts.of(ours), Some(Layout::COLOR_ATTACHMENT_OPTIMAL));
         layouts.submitted(None, &[(ours, Layout::SHADER_READ_ONLY_OPTIMAL), (other, Layout::GENERAL)]);
         assert_eq!(
@@ -109,7 +118,7 @@ mod tests {
             [Some(Layout::SHADER_READ_ONLY_OPTIMAL), None]
         );
         // Another image of the same handle.
-        layouts.follow(ours);
+        layouts.follow(ours, true);
         assert_eq!(layouts.of(ours), Some(Layout::COLOR_ATTACHMENT_OPTIMAL));
         layouts.forget(ours);
         assert!(layouts.is_empty());
@@ -121,7 +130,7 @@ mod tests {
         let [one, two, three] = [1, 2, 3].map(vk::Image::from_raw);
         let [session, second, family] =
             [(0, 0), (0, 1), (1, 0)].map(|(family, index)| QueueId { family, index });
-        [one, two, three].into_iter().for_each(|image| layouts.follow(image));
+        [one, two, three].into_iter().for_each(|image| layouts.follow(image, true));
         let submit = |queue, image| layouts.submitted(queue, &[(image, Layout::COLOR_ATTACHMENT_OPTIMAL)]);
         let beside = || [one, two, three].map(|image| layouts.is_used_on_other_queues(image, session));
         assert_eq!(beside(), [None; 3]);
@@ -134,7 +143,7 @@ mod tests {
         // Permanent: a frame that uses one queue alone does not show that the next will.
         submit(Some(session), one);
         assert_eq!(beside(), [Some(true); 3]);
-        layouts.follow(one);
+        layouts.follow(one, true);
         assert_eq!(beside(), [None, Some(true), Some(true)]);
     }
 }

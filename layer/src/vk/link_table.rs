@@ -198,7 +198,11 @@ unsafe extern "C" fn eye_buffer(device: vk::Device, record: *const EyeBufferReco
     // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
     unsafe {
         with_armed("vkGetParafoveaLink.eye_buffer", device, record, |armed, record| {
-            if let Some(own) = armed.submitter() {
+            let [family, index] = record.queue;
+            let is_used_beside =
+                armed.layouts.is_used_on_other_queues(record.image, QueueId { family, index });
+            // Elsewhere it may be drawn to again while it is read.
+            if let Some(own) = armed.submitter().filter(|_| is_used_beside != Some(true)) {
                 armed.perception.analyze(own, record, armed.layouts.left_in(record.image));
             }
         });

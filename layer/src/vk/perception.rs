@@ -96,7 +96,7 @@ impl Perception {
         if decision.judged.is_none() {
             return self.forget_contrast(eye);
         }
-        let Some(target) = self.picture(&tools, record, texel, &eye_tiles) else { return };
+        let Some(target) = self.picture(&tools, (record, queue), texel, &eye_tiles) else { return };
         let by = Parameters::new(record, texel);
         let last = self.state().eyes[eye].as_ref().and_then(|eye| eye.measured);
         let comparison = last.map_or(0, |last| last.next_comparison(by));
@@ -206,11 +206,7 @@ impl Perception {
 
     /// A swapchain is about to end. Returns the queue whose work has to be waited for, as it reads pictures of that; `None` if there is none.
     pub fn forget_swapchain(&self, swapchain: u64) -> Option<vk::Queue> {
-        let mut state = self.state();
-        if !state.eye_buffers.forget(swapchain) {
-            return None;
-        }
-        state.queue.map(|(_, queue)| queue)
+        self.state().eye_buffers.forget(swapchain)
     }
 
     /// The session ends: nothing is known any more, but which swapchains pending work may read.
@@ -331,7 +327,7 @@ impl Perception {
     fn picture(
         &self,
         tools: &Tools,
-        record: &EyeBufferRecord,
+        (record, queue): (&EyeBufferRecord, vk::Queue),
         texel: [u32; 2],
         tiles: &Arc<EyeTiles>,
     ) -> Option<Arc<crate::kernels::analyze::AnalyzeTarget>> {
@@ -339,7 +335,7 @@ impl Perception {
             return Some(known);
         }
         match eye_buffers::target(tools, record, texel, tiles) {
-            Ok(new) => Some(self.state().eye_buffers.keep(record, tiles, new)),
+            Ok(new) => Some(self.state().eye_buffers.keep(record, queue, tiles, new)),
             Err(error) => {
                 error.log("an image was not analysed");
                 None

@@ -13,8 +13,9 @@ use crate::link::DeviceRecord;
 use ash::vk;
 use smallvec::SmallVec;
 use std::any::Any;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Most pending command buffers of ours for a queue: of three frames, each with two submits that draw the scene, and an eye buffer
 /// of each eye that is analysed, and one that is drawn over. Beyond that maps stay as they are, unless they have no content yet, or leave something
@@ -23,6 +24,9 @@ const MOST_SLOTS: usize = 24;
 
 /// Command buffers that are made before any of them is looked at: the submits of a frame.
 const LEAST_SLOTS: usize = 4;
+
+/// Longest time for which a thread takes slots out, to record and submit commands.
+const LONGEST_TAKEN: Duration = Duration::from_secs(1);
 
 /// Memory and objects that a submit of ours uses until the GPU is done with them.
 pub type Kept = SmallVec<[Arc<dyn Any + Send + Sync>; 20]>;
@@ -57,6 +61,8 @@ impl Submitter<'_> {
 pub struct PreSubmitRing {
     family: u32,
     slots: Mutex<Vec<Slot>>,
+    /// Number of threads that have taken slots out.
+    takers: AtomicU32,
     /// Number of the newest submit.
     newest: AtomicU64,
 }
@@ -99,7 +105,7 @@ impl PreSubmitRing {
     ) -> bool {
         // Taken out, so that no lock is held across a call down. A queue is one thread's at a time; where that rule is
         // broken, the other thread finds none and makes one.
-        let mut slots = std::mem::take(&mut *self.lock());
+        let mut slots = self.take_out();
         let free_slot = |slots: &[Slot]| slots.iter().position(|slot| slot.pending().is_none());
         let mut free = free_slot(&slots);
         if free.is_none() && slots.len() >= LEAST_SLOTS {
@@ -126,25 +132,41 @@ impl PreSubmitRing {
         done
     }
 
+    fn take_out(&self) -> Vec<Slot> {
+        let mut slots = self.lock();
+        self.takers.fetch_add(1, Ordering::Relaxed);
+        std::mem::take(&mut *slots)
+    }
+
     /// Back with their memory, so that a steady frame asks for none; behind them the slots that another thread has made meanwhile.
     fn put_back(&self, mut slots: Vec<Slot>) {
         let mut kept = self.lock();
         std::mem::swap(&mut *kept, &mut slots);
         kept.append(&mut slots);
+        self.takers.fetch_sub(1, Ordering::Relaxed);
     }
 
     /// Lets go of all that the GPU is done with: no submit may follow for long.
     pub fn poll(&self, functions: &Functions) {
-        let mut slots = std::mem::take(&mut *self.lock());
+        let mut slots = self.take_out();
         find_finished(&mut slots, &functions.device);
         self.put_back(slots);
     }
 
-    /// Waits until the GPU is done with all pending work.
+    /// Waits until the GPU is done with all pending work, that of slots which other threads have taken out included: these threads submit, and
+    /// put them back.
     pub fn wait(&self, functions: &Functions) {
-        let mut slots = std::mem::take(&mut *self.lock());
-        slots.iter_mut().for_each(|slot| slot.wait(&functions.device));
-        self.put_back(slots);
+        let start = Instant::now();
+        loop {
+            let mut slots = self.take_out();
+            slots.iter_mut().for_each(|slot| slot.wait(&functions.device));
+            self.put_back(slots);
+            // After a panic a thread puts nothing back.
+            if self.takers.load(Ordering::Relaxed) == 0 || start.elapsed() > LONGEST_TAKEN {
+                return;
+            }
+            std::thread::yield_now();
+        }
     }
 
     /// Waits for all, and destroys it, before the device is destroyed.

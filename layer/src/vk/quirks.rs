@@ -44,7 +44,24 @@ pub fn log(quirks: &Quirks, engine: &str) {
     }
 }
 
+/// Whether an application of this engine may return images before it has submitted the draws to them: Direct3D's, by way of Proton. There,
+/// versions of wineopenxr flush and lock DXVK's queue in xrEndFrame only.
+pub fn submits_late(engine: &str) -> bool {
+    engine == "DXVK" || is_vkd3d(engine)
+}
+
 /// vkd3d and vkd3d-proton name themselves so (libs/vkd3d/device.c, vkd3d_init_instance).
 fn is_vkd3d(engine: &str) -> bool {
     engine.contains("vkd3d")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn translated_applications_submit_late() {
+        assert_eq!(["DXVK", "vkd3d", "vkd3d-proton"].map(submits_late), [true; 3]);
+        assert_eq!(["", "Unity", "godot", "UnrealEngine5", "parafovea-scene"].map(submits_late), [false; 5]);
+    }
 }

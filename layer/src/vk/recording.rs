@@ -22,6 +22,7 @@ pub mod stencil;
 mod timed;
 pub mod transfers;
 mod untracked;
+mod viewports;
 
 use super::armed::Armed;
 use super::candidates::Candidate;
@@ -191,11 +192,15 @@ impl Recorded {
         }
     }
 
-    /// The draws of the pass that is being recorded and ends are these.
-    fn end_draws(&mut self) {
-        let draws = self.tally.finish();
+    /// The draws of the pass that is being recorded and ends are these. Its area is the part that they can reach, unless pipelines may have
+    /// viewports of their own.
+    fn end_draws(&mut self, has_static_viewports: bool) {
+        let (draws, region) = self.tally.finish();
         if let Some(Event::Pass(pass)) = self.open.and_then(|open| self.events.get_mut(open)) {
             pass.draws = draws;
+            if !has_static_viewports {
+                pass.area = region.of_area(pass.area);
+            }
         }
     }
 

@@ -224,9 +224,7 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverable> {
     let FrameEnd { session, active, submission, ref config, .. } = *frame;
     let swapchains = swapchain::virtual_ones(session.handle);
-    if let Some(scene) = submission.scene() {
-        active.shown_eyes().note(&scene);
-    }
+    active.shown_eyes().note(submission.scene().as_ref());
     debug_view::note_frame(frame, report.frame);
     let is_drawn_over = debug_view::is_wanted(active, config);
     if swapchains.is_empty() {

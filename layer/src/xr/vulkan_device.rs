@@ -102,6 +102,11 @@ impl VulkanDevice {
         self.capabilities.is_cpu == 1
     }
 
+    /// Whether draws to an image may be submitted after the application has returned it.
+    pub fn submits_late(&self) -> bool {
+        self.record.submits_late == 1
+    }
+
     /// Notifies the Vulkan half whether a session is bound to the device.
     pub fn set_active(&self, active: bool) {
         // SAFETY: the session that holds this guarantees that the device is live: it outlives its session.

@@ -113,6 +113,7 @@ impl Vulkan {
                 next_get_device_proc_addr: instance.fp_v1_0().get_device_proc_addr,
                 set_device_loader_data,
                 arming: parafovea::config::Arming::Rates as u32,
+                submits_late: 0,
             });
             let pool_info = vk::CommandPoolCreateInfo::default();
             let vulkan = Self {

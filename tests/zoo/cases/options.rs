@@ -49,6 +49,9 @@ pub struct Options {
     /// Pause before the fourth frame of a loop, in milliseconds: time in which a layer compiles its pipelines
     #[arg(long, value_name = "MS", default_value_t = 0)]
     pub pause_ms: u64,
+    /// Engine name for Vulkan
+    #[arg(long, default_value = "none")]
+    pub engine: CString,
     /// A file whose lock (flock) is held around each vkQueueSubmit
     #[arg(long)]
     pub submit_lock: Option<PathBuf>,

@@ -27,19 +27,19 @@ pub struct Vulkan {
 pub fn create(options: &Options, extensions: &[&CStr]) -> Result<(Xr, Vulkan), Failure> {
     match (options.enable, options.vulkan_first) {
         (Enable::One, true) => {
-            let vulkan = Vulkan::before_openxr(options.vulkan)?;
+            let vulkan = Vulkan::before_openxr((options.vulkan, &options.engine))?;
             let xr = Xr::create(options, extensions)?;
             enable::require_same_device(&xr, &vulkan)?;
             Ok((xr, vulkan))
         }
         (Enable::One, false) => {
             let xr = Xr::create(options, extensions)?;
-            let vulkan = enable::create(&xr, options.vulkan)?;
+            let vulkan = enable::create(&xr, (options.vulkan, &options.engine))?;
             Ok((xr, vulkan))
         }
         (Enable::Two, false) => {
             let xr = Xr::create(options, extensions)?;
-            let vulkan = enable2::create(&xr, options.vulkan)?;
+            let vulkan = enable2::create(&xr, (options.vulkan, &options.engine))?;
             Ok((xr, vulkan))
         }
         (Enable::Two, true) => Err(Failure::Unsupported(
@@ -64,7 +64,7 @@ impl Vulkan {
 
     /// An instance and a device that OpenXR does not know.
     pub fn apart() -> Result<Self, Failure> {
-        Self::before_openxr(VulkanVersion::V1_1)
+        Self::before_openxr((VulkanVersion::V1_1, c"none"))
     }
 
     /// Waits until the application's own work on the queue is done.
@@ -74,9 +74,9 @@ impl Vulkan {
         let _ = unsafe { self.device.queue_wait_idle(self.queue) };
     }
 
-    fn before_openxr(version: VulkanVersion) -> Result<Self, Failure> {
+    fn before_openxr(application: Application<'_>) -> Result<Self, Failure> {
         let (library, entry) = load()?;
-        let instance = with_instance_info(version, &[], |info| {
+        let instance = with_instance_info(application, &[], |info| {
             // SAFETY: the structure and the data that it points to outlive the call.
             Ok(unsafe { entry.create_instance(info, None) }?)
         })?;
@@ -130,13 +130,18 @@ fn load() -> Result<(Library, ash::Entry), Failure> {
     Ok((library, entry))
 }
 
+/// Requested version and engine name.
+type Application<'a> = (VulkanVersion, &'a CStr);
+
 fn with_instance_info<T>(
-    version: VulkanVersion,
+    (version, engine): Application<'_>,
     extensions: &[CString],
     create: impl FnOnce(&vk::InstanceCreateInfo) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let application =
-        vk::ApplicationInfo::default().application_name(c"parafovea-cases").api_version(version.encoded());
+    let application = vk::ApplicationInfo::default()
+        .application_name(c"parafovea-cases")
+        .engine_name(engine)
+        .api_version(version.encoded());
     let names = pointers(extensions);
     create(&vk::InstanceCreateInfo::default().application_info(&application).enabled_extension_names(&names))
 }

@@ -45,6 +45,7 @@ mod taa;
 mod taa_exposure;
 mod two_devices;
 mod upscaled;
+mod viewport_scale;
 mod visibility;
 
 use crate::style::Style;
@@ -63,6 +64,7 @@ pub const STYLES: &[&Style] = &[
     &deferred::STYLE,
     &proton::STYLE,
     &upscaled::STYLE,
+    &viewport_scale::STYLE,
     &distractors::STYLE,
     &reversed_z::STYLE,
     &indirect::STYLE,

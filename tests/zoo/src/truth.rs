@@ -30,6 +30,8 @@ pub struct PassTruth {
     pub extent: [u32; 2],
     /// Width and height of its render area, which begins at 0, 0.
     pub area: [u32; 2],
+    /// Width and height of its viewport, which begins at 0, 0.
+    pub viewport: [u32; 2],
     /// Views of a multiview pass, else 1.
     pub layers: u32,
     /// Samples of its first colour attachment, or of depth where there is none.
@@ -45,7 +47,7 @@ pub struct PassTruth {
 impl PassTruth {
     /// A pass over the whole of single-sample attachments of one layer.
     pub const fn new(extent: [u32; 2], format: Format, eyes: Eyes, why: &'static str) -> Self {
-        Self { extent, area: extent, layers: 1, samples: 1, format, eyes, why }
+        Self { extent, area: extent, viewport: extent, layers: 1, samples: 1, format, eyes, why }
     }
 
     /// The same for each eye, one after the other: left, right.

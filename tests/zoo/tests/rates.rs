@@ -14,7 +14,8 @@ use drawn::{AS_PUBLISHED, FEEDBACK_LINE, PERIOD, compare};
 use effort::{Effort, is_full, moving_gaze};
 use libtest_mimic::{Arguments, Failed};
 use parafovea_test_layers::{
-    ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
+    SHADING_RATE_TEXELS_VARIABLE, ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass,
+    ShadingRateProfile,
 };
 use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -66,7 +67,8 @@ fn main() -> ExitCode {
     let with_holes = WITH_HOLES
         .into_iter()
         .map(|case| trial(format!("{}, draws with holes", case.0), move || check_holes(case)));
-    let all = trials.chain(reused).chain(left_alone).chain(matched).chain(with_holes);
+    let by_viewport = trial("viewport-scale, around the gaze", check_viewport_scale);
+    let all = trials.chain([by_viewport]).chain(reused).chain(left_alone).chain(matched).chain(with_holes);
     libtest_mimic::run(&Arguments::from_args(), all.collect()).exit_code()
 }
 
@@ -79,6 +81,39 @@ const REUSED: [&str; 6] = [
     "offscreen-tonemap",
     "dynamic-resolution",
 ];
+
+/// In a part of a target, the rates go around the middle of that part, wherever it is.
+fn check_viewport_scale() -> Result<(), Failed> {
+    const EFFORT: Effort = Effort { frames: 14, size: 384 };
+    let style = parafovea_zoo::style("viewport-scale").ok_or("no such style")?;
+    let outcome = Run::new(&application(style, EFFORT)?, &EFFORT.scenario())
+        .shading_rates(ShadingRateProfile::NvkTuring)
+        .env(SHADING_RATE_TEXELS_VARIABLE, "1")
+        .on(FIXED_RINGS)
+        .finish()?
+        .expect_frames(EFFORT.frames)?;
+    let (findings, seen) = lines(outcome.shading_rates()?);
+    assert_eq!(findings, []);
+    let truth = (0..EFFORT.frames)
+        .flat_map(|frame| (style.passes)([EFFORT.size; 2], frame).into_iter().map(move |pass| (frame, pass)));
+    for (seen, (frame, truth)) in seen.iter().zip(truth) {
+        if frame < COARSE_FROM || truth.is_passed_on() {
+            continue;
+        }
+        let map = seen.map.as_ref().ok_or("a map that was not read in time")?;
+        let texels = map.texels.as_ref().ok_or("texels that were not kept")?;
+        let is_fine = |[x, y]: [u32; 2]| {
+            let at = 2 * (y * map.extent[0] + x) as usize;
+            &texels[at..at + 2] == "00"
+        };
+        let [columns, rows] = truth.viewport.map(|side| side / 16);
+        assert!(is_fine([columns / 2, rows / 2]), "frame {frame}, {truth:?}: coarse in the middle");
+        for corner in [[0, 0], [columns - 1, 0], [0, rows - 1], [columns - 1, rows - 1]] {
+            assert!(!is_fine(corner), "frame {frame}, {truth:?}: fine at {corner:?}");
+        }
+    }
+    Ok(())
+}
 
 /// Tiles that are left out are shaded as coarsely as can be, and shown as they were drawn before.
 fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed> {

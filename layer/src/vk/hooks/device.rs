@@ -194,6 +194,7 @@ unsafe fn track(
             next_get_device_proc_addr: get_device_proc_addr,
             set_device_loader_data,
             arming: arming as u32,
+            submits_late: u32::from(quirks::submits_late(&instance.engine)),
         };
         // SAFETY: the handles of the record are live, and the pointers come from the layer that made the handles.
         unsafe { arm(record, hooked, (arming, enabled), is_cpu) }

@@ -1,6 +1,8 @@
 //! Hooks of graphics pipelines.
 
+use crate::abi::copies::slice;
 use crate::vk::device;
+use crate::vk::shaders::parts::has_static_viewports;
 use ash::vk;
 
 /// `vkCreateGraphicsPipelines`.
@@ -21,6 +23,13 @@ pub unsafe extern "system" fn create_pipelines(
         device::with,
         create_graphics_pipelines(device, cache, count, infos, allocator, made),
         |known, next, answer| {
+            if let Some(armed) = &known.armed {
+                // SAFETY: valid usage demands `count` valid structures.
+                let is_any = unsafe { slice(infos, count).iter().any(|info| has_static_viewports(info)) };
+                if is_any {
+                    armed.note_static_viewports();
+                }
+            }
             let result = answer.record(match known.rate_attachments() {
                 Some(rates) => {
                     let functions = (next, known.hooked.destroy_pipeline);

@@ -18,8 +18,8 @@ const MOST: usize = 64;
 #[derive(Default)]
 pub struct EyeBuffers {
     known: Vec<Known>,
-    /// The swapchains with images that were ever analysed, known or not: work that reads them may be pending.
-    swapchains: SmallVec<[u64; 4]>,
+    /// The swapchains with images that were ever analysed, known or not, and the queue: work there that reads them may be pending.
+    swapchains: SmallVec<[(u64, vk::Queue); 4]>,
 }
 
 /// Place of an eye buffer, and the parameters of its analysis.
@@ -53,26 +53,27 @@ impl EyeBuffers {
     pub fn keep(
         &mut self,
         record: &EyeBufferRecord,
+        queue: vk::Queue,
         tiles: &Arc<EyeTiles>,
         target: AnalyzeTarget,
     ) -> Arc<AnalyzeTarget> {
         if self.known.len() >= MOST {
             self.known.clear();
         }
-        if !self.swapchains.contains(&record.swapchain) {
-            self.swapchains.push(record.swapchain);
+        let reader = (record.swapchain, queue);
+        if !self.swapchains.contains(&reader) {
+            self.swapchains.push(reader);
         }
         let (key, target) = (EyeBufferKey::of(record), Arc::new(target));
         self.known.push(Known { key, tiles: Arc::clone(tiles), target: Arc::clone(&target) });
         target
     }
 
-    /// Forgets the eye buffers of a swapchain; whether its images were ever analysed.
-    pub fn forget(&mut self, swapchain: u64) -> bool {
+    /// Forgets the eye buffers of a swapchain; the queue on which its images were analysed, if they ever were.
+    pub fn forget(&mut self, swapchain: u64) -> Option<vk::Queue> {
         self.known.retain(|known| known.key.swapchain != swapchain);
-        let before = self.swapchains.len();
-        self.swapchains.retain(|known| *known != swapchain);
-        self.swapchains.len() < before
+        let at = self.swapchains.iter().position(|(known, _)| *known == swapchain)?;
+        Some(self.swapchains.swap_remove(at).1)
     }
 
     /// Takes out the eye buffers that were analysed into other tiles of an eye than `kept`.

@@ -169,7 +169,10 @@ impl Buffer {
     /// passes of others, and layouts of images of virtual swapchains are needed in each frame.
     fn may_rest(&self) -> bool {
         let armed = &self.armed;
-        self.is_primary && armed.rate_attachments.is_none() && armed.frame.rests() && armed.layouts.is_empty()
+        self.is_primary
+            && armed.rate_attachments.is_none()
+            && armed.frame.rests()
+            && !armed.layouts.has_virtual()
     }
 }
 

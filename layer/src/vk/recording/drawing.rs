@@ -6,7 +6,7 @@
 //! state, dynamic or not, and the same push constants.
 
 use super::sets::BoundSets;
-use super::{Buffer, with_buffer};
+use super::{Buffer, draws, with_buffer};
 use crate::abi::copies::slice;
 use crate::backend::mask::EarlyReturnPipeline;
 use crate::vk::functions::ArmedTable;
@@ -25,10 +25,18 @@ pub struct Drawing {
     pipeline: vk::Pipeline,
     sets: BoundSets,
     /// Its viewports and scissors, from number 0 on, as far as they were set.
-    viewports: SmallVec<[Option<vk::Viewport>; 2]>,
-    scissors: SmallVec<[Option<vk::Rect2D>; 2]>,
+    viewports: Kept<vk::Viewport>,
+    scissors: Kept<vk::Rect2D>,
     /// The substitute of the pipeline.
     in_place: Option<InPlace>,
+}
+
+/// Viewports or scissors.
+#[derive(Clone)]
+struct Kept<T> {
+    values: SmallVec<[Option<T>; 2]>,
+    /// Whether their number was set with them.
+    has_count: bool,
 }
 
 #[derive(Clone)]
@@ -87,8 +95,8 @@ impl Drawing {
 pub struct Bound {
     pipeline: vk::Pipeline,
     sets: BoundSets,
-    viewport: Option<vk::Viewport>,
-    scissor: Option<vk::Rect2D>,
+    viewports: Kept<vk::Viewport>,
+    scissors: Kept<vk::Rect2D>,
 }
 
 impl Drawing {
@@ -97,8 +105,8 @@ impl Drawing {
         Bound {
             pipeline: self.pipeline,
             sets: self.sets.clone(),
-            viewport: self.viewports.first().copied().flatten(),
-            scissor: self.scissors.first().copied().flatten(),
+            viewports: self.viewports.clone(),
+            scissors: self.scissors.clone(),
         }
     }
 }
@@ -112,11 +120,15 @@ impl Bound {
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         // SAFETY: the command buffer is recording, as `# Safety` demands; the bound objects stay valid as long as it does.
         unsafe {
-            if let (Some(viewport), Some(set)) = (&self.viewport, next.cmd_set_viewport) {
-                set(commands, 0, 1, viewport);
+            if let (Some(all), Some(set)) = (self.viewports.all(), next.cmd_set_viewport_with_count) {
+                set(commands, all.len() as u32, all.as_ptr());
+            } else if let (Some(viewport), Some(set)) = (self.viewports.first(), next.cmd_set_viewport) {
+                set(commands, 0, 1, &viewport);
             }
-            if let (Some(scissor), Some(set)) = (&self.scissor, next.cmd_set_scissor) {
-                set(commands, 0, 1, scissor);
+            if let (Some(all), Some(set)) = (self.scissors.all(), next.cmd_set_scissor_with_count) {
+                set(commands, all.len() as u32, all.as_ptr());
+            } else if let (Some(scissor), Some(set)) = (self.scissors.first(), next.cmd_set_scissor) {
+                set(commands, 0, 1, &scissor);
             }
             if let Some(bind) = next.cmd_bind_pipeline
                 && self.pipeline != vk::Pipeline::null()
@@ -128,13 +140,43 @@ impl Bound {
     }
 }
 
-/// Keeps values from number `first` on.
-fn keep<T: Copy>(kept: &mut SmallVec<[Option<T>; 2]>, first: u32, values: &[T]) {
-    for (index, value) in (first as usize..).zip(values) {
-        if kept.len() <= index {
-            kept.resize(index + 1, None);
+impl<T> Default for Kept<T> {
+    fn default() -> Self {
+        Self { values: SmallVec::new(), has_count: false }
+    }
+}
+
+impl<T: Copy> Kept<T> {
+    fn clear(&mut self) {
+        self.values.clear();
+        self.has_count = false;
+    }
+
+    /// Keeps values from number `first` on.
+    fn keep(&mut self, first: u32, values: &[T]) {
+        self.has_count = false;
+        for (index, value) in (first as usize..).zip(values) {
+            if self.values.len() <= index {
+                self.values.resize(index + 1, None);
+            }
+            self.values[index] = Some(*value);
         }
-        kept[index] = Some(*value);
+    }
+
+    /// Keeps these values and no others.
+    fn keep_all(&mut self, values: &[T]) {
+        self.values.clear();
+        self.keep(0, values);
+        self.has_count = true;
+    }
+
+    fn first(&self) -> Option<T> {
+        self.values.first().copied().flatten()
+    }
+
+    /// All values, if their number was set with them.
+    fn all(&self) -> Option<SmallVec<[T; 2]>> {
+        if self.has_count { self.values.iter().copied().collect() } else { None }
     }
 }
 
@@ -155,12 +197,70 @@ pub unsafe extern "system" fn set_viewport(
         cmd_set_viewport(handle, first, count, viewports),
         |known, next| {
             next();
-            if let Some(known) = known.filter(|_| count > 0) {
-                let drawing = &mut known.recorded().drawing;
-                if drawing.is_followed {
-                    // SAFETY: valid usage demands so many viewports.
-                    keep(&mut drawing.viewports, first, unsafe { slice(viewports, count) });
-                }
+            // SAFETY: valid usage demands so many viewports; the command buffer is live.
+            let viewports = unsafe {
+                let viewports = slice(viewports, count);
+                draws::set_viewports(handle, first, viewports);
+                viewports
+            };
+            let recorded = known.as_ref().map(|known| known.recorded());
+            if let Some(mut recorded) = recorded.filter(|recorded| recorded.drawing.is_followed) {
+                recorded.drawing.viewports.keep(first, viewports);
+            }
+        }
+    );
+}
+
+/// `vkCmdSetViewportWithCount`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn set_viewport_with_count(
+    handle: vk::CommandBuffer,
+    count: u32,
+    viewports: *const vk::Viewport,
+) {
+    hook!(
+        "vkCmdSetViewportWithCount",
+        with_buffer,
+        cmd_set_viewport_with_count(handle, count, viewports),
+        |known, next| {
+            next();
+            // SAFETY: valid usage demands so many viewports; the command buffer is live.
+            let viewports = unsafe {
+                let viewports = slice(viewports, count);
+                draws::set_viewports(handle, 0, viewports);
+                viewports
+            };
+            let recorded = known.as_ref().map(|known| known.recorded());
+            if let Some(mut recorded) = recorded.filter(|recorded| recorded.drawing.is_followed) {
+                recorded.drawing.viewports.keep_all(viewports);
+            }
+        }
+    );
+}
+
+/// `vkCmdSetScissorWithCount`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn set_scissor_with_count(
+    handle: vk::CommandBuffer,
+    count: u32,
+    scissors: *const vk::Rect2D,
+) {
+    hook!(
+        "vkCmdSetScissorWithCount",
+        with_buffer,
+        cmd_set_scissor_with_count(handle, count, scissors),
+        |known, next| {
+            next();
+            let recorded = known.as_ref().map(|known| known.recorded());
+            if let Some(mut recorded) = recorded.filter(|recorded| recorded.drawing.is_followed) {
+                // SAFETY: valid usage demands so many scissors.
+                recorded.drawing.scissors.keep_all(unsafe { slice(scissors, count) });
             }
         }
     );
@@ -183,7 +283,7 @@ pub unsafe extern "system" fn set_scissor(
             let drawing = &mut known.recorded().drawing;
             if drawing.is_followed {
                 // SAFETY: valid usage demands so many scissors.
-                keep(&mut drawing.scissors, first, unsafe { slice(scissors, count) });
+                drawing.scissors.keep(first, unsafe { slice(scissors, count) });
             }
         }
     });
@@ -381,11 +481,14 @@ mod tests {
 
     #[test]
     fn viewports_are_kept_by_their_numbers() {
-        let mut kept = SmallVec::new();
-        keep(&mut kept, 1, &[10, 11]);
-        assert_eq!(kept.as_slice(), [None, Some(10), Some(11)]);
-        keep(&mut kept, 0, &[20, 21]);
-        assert_eq!(kept.as_slice(), [Some(20), Some(21), Some(11)]);
+        let mut kept = Kept::default();
+        kept.keep(1, &[10, 11]);
+        assert_eq!((kept.values.as_slice(), kept.first()), (&[None, Some(10), Some(11)][..], None));
+        kept.keep(0, &[20, 21]);
+        assert_eq!((kept.values.as_slice(), kept.first()), (&[Some(20), Some(21), Some(11)][..], Some(20)));
+        assert_eq!(kept.all(), None, "their number comes from the pipeline");
+        kept.keep_all(&[30, 31]);
+        assert_eq!(kept.all().as_deref(), Some(&[30, 31][..]));
     }
 
     #[test]

@@ -230,7 +230,7 @@ pub unsafe fn end_tracked(buffer: &Buffer, handle: vk::CommandBuffer) {
     let (mask, bound) = {
         let mut recorded = buffer.recorded();
         if buffer.armed.follows_passes() {
-            recorded.end_draws();
+            recorded.end_draws(buffer.armed.has_static_viewports());
         }
         let mask = recorded.end();
         let bound = mask.as_ref().map(|_| (recorded.compute.clone(), recorded.offsets.clone()));

@@ -52,6 +52,26 @@ pub unsafe fn dynamic_states<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &
     }
 }
 
+/// Whether viewports are part of a pipeline, and not set by commands.
+///
+/// # Safety
+///
+/// The structure is valid.
+pub unsafe fn has_static_viewports(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the structure is valid, as `# Safety` demands. Viewport state is ignored, and may be anything, where it is of another part or nothing is
+    // rasterised.
+    unsafe {
+        let own = own_parts(info);
+        let is_dynamic = |states: &[vk::DynamicState]| {
+            states.contains(&vk::DynamicState::VIEWPORT)
+                || states.contains(&vk::DynamicState::VIEWPORT_WITH_COUNT)
+        };
+        own.contains(Parts::PRE_RASTERIZATION_SHADERS)
+            && !is_discarded(info, own)
+            && !is_dynamic(dynamic_states(info))
+    }
+}
+
 /// Whether nothing is rasterised, so that much of the state is ignored, and may be anything.
 ///
 /// # Safety

@@ -62,6 +62,7 @@ fn images_known_by_their_swapchain_are_forgotten_with_it() {
         samples: 1,
         usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
         granted: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        is_virtual: 0,
         is_read: 0,
     };
     armed.notify_swapchain(&record, &images);

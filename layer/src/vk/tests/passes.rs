@@ -129,7 +129,7 @@ fn waits_for_events_leave_layouts_as_barriers_do() {
     let wait2 = hook!(c"vkCmdWaitEvents2KHR": PFN_vkCmdWaitEvents2);
     with_command_buffer(|handle, buffer| {
         let [image, other] = [1, 2].map(vk::Image::from_raw);
-        buffer.armed.layouts.follow(image);
+        buffer.armed.layouts.follow(image, true);
         let stages = vk::PipelineStageFlags::ALL_COMMANDS;
         let barriers = [(image, Layout::GENERAL), (other, Layout::GENERAL)]
             .map(|(image, layout)| vk::ImageMemoryBarrier::default().image(image).new_layout(layout));

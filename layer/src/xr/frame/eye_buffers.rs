@@ -16,14 +16,24 @@ use glam::Quat;
 use openxr_sys as xr;
 use openxr_sys::Handle;
 use parafovea_core::geometry::Fov;
-use std::mem;
+use smallvec::SmallVec;
 
-/// The eye buffers of the last two frames: an application may draw to two swapchains in turn.
+/// The eye buffers of the last frames by swapchain: an application may draw to several in turn.
 #[derive(Default)]
 pub struct ShownEyes {
-    last: [Option<ShownEye>; 2],
-    before: [Option<ShownEye>; 2],
+    frame: u64,
+    swapchains: SmallVec<[Shown; 4]>,
 }
+
+/// The eye buffers of a swapchain, and the last frame that showed them.
+struct Shown {
+    swapchain: xr::Swapchain,
+    frame: u64,
+    eyes: [Option<ShownEye>; 2],
+}
+
+/// Frames after which a swapchain that they do not show is forgotten.
+const LONGEST_UNSHOWN: u64 = 8;
 
 /// Place of an eye buffer, and its field of view.
 #[derive(Clone, Copy)]
@@ -32,21 +42,49 @@ pub struct ShownEye {
     pub sub_image: xr::SwapchainSubImage,
     /// Field of view.
     pub fov: Fov,
+    /// Whether its contrast counted: its view was sent.
+    pub has_view: bool,
 }
 
 impl ShownEyes {
-    /// A frame ended with this layer.
-    pub fn note(&mut self, scene: &Projection<'_>) {
-        self.before = mem::replace(&mut self.last, eyes_of(scene));
+    /// A frame ended with this layer, or without one.
+    pub fn note(&mut self, scene: Option<&Projection<'_>>) {
+        self.frame += 1;
+        let frame = self.frame;
+        for (index, eye) in scene.map(eyes_of).into_iter().flatten().enumerate() {
+            let Some(eye) = eye else { continue };
+            let swapchain = eye.sub_image.swapchain;
+            match self.swapchains.iter_mut().find(|shown| shown.swapchain == swapchain) {
+                Some(shown) => {
+                    if shown.frame != frame {
+                        (shown.frame, shown.eyes) = (frame, [None; 2]);
+                    }
+                    shown.eyes[index] = Some(eye);
+                }
+                None => {
+                    let mut eyes = [None; 2];
+                    eyes[index] = Some(eye);
+                    self.swapchains.push(Shown { swapchain, frame, eyes });
+                }
+            }
+        }
+        self.swapchains.retain(|shown| shown.frame + LONGEST_UNSHOWN > frame);
+    }
+
+    /// The view of an eye was sent, which the frame shows in this swapchain.
+    fn sent_view(&mut self, eye: usize, swapchain: xr::Swapchain) {
+        let frame = self.frame;
+        let mut shown = self.swapchains.iter_mut().filter(|shown| shown.frame == frame);
+        let eyes = shown.find(|shown| shown.swapchain == swapchain).map(|shown| &mut shown.eyes);
+        if let Some(Some(eye)) = eyes.and_then(|eyes| eyes.get_mut(eye)) {
+            eye.has_view = true;
+        }
     }
 
     /// The eye buffers that a swapchain had in the newest of these frames that showed it.
     pub fn of(&self, swapchain: xr::Swapchain) -> [Option<ShownEye>; 2] {
-        let of = |eyes: [Option<ShownEye>; 2]| {
-            eyes.map(|eye| eye.filter(|eye| eye.sub_image.swapchain == swapchain))
-        };
-        let last = of(self.last);
-        if last.iter().any(Option::is_some) { last } else { of(self.before) }
+        let shown = self.swapchains.iter().find(|shown| shown.swapchain == swapchain);
+        shown.map_or([None; 2], |shown| shown.eyes)
     }
 }
 
@@ -54,7 +92,7 @@ impl ShownEyes {
 pub fn eyes_of(scene: &Projection<'_>) -> [Option<ShownEye>; 2] {
     [0, 1].map(|eye| {
         let view = scene.views.get(eye)?;
-        Some(ShownEye { sub_image: view.sub_image, fov: view.fov })
+        Some(ShownEye { sub_image: view.sub_image, fov: view.fov, has_view: false })
     })
 }
 
@@ -94,7 +132,8 @@ pub unsafe fn analyze_released(swapchain: &Swapchain) {
         return;
     }
     let _degrade = super::DegradeOnPanic(active);
-    let shown = active.shown_eyes().of(swapchain.handle);
+    // Without a view, as of a flat layer or beside a second projection layer, its contrast would not count.
+    let shown = active.shown_eyes().of(swapchain.handle).map(|eye| eye.filter(|eye| eye.has_view));
     let Some((image, format)) = swapchain.readable_image().filter(|_| shown.iter().any(Option::is_some))
     else {
         return;
@@ -161,6 +200,7 @@ pub fn notify_views(frame: &FrameEnd) {
             plane: [plane.origin.into(), plane.step.into()],
             orientation: (to_world * orientation).into(),
         });
+        active.shown_eyes().sent_view(eye as usize, view.sub_image.swapchain);
     }
 }
 
@@ -206,17 +246,49 @@ mod tests {
     fn eye_buffers_of_swapchains_in_turn_are_known() {
         let mut shown = ShownEyes::default();
         let mut show = |views: &[ProjectionView]| {
-            shown.note(&Projection { space: xr::Space::NULL, views });
-            [1, 2].map(|swapchain| layers_of(&shown, swapchain))
+            shown.note(Some(&Projection { space: xr::Space::NULL, views }));
+            [1, 2, 3].map(|swapchain| layers_of(&shown, swapchain))
         };
         let nothing = [None; 2];
-        assert_eq!(show(&[view(1, 0), view(1, 1)]), [[Some(0), Some(1)], nothing]);
-        assert_eq!(show(&[view(2, 2), view(2, 3)]), [[Some(0), Some(1)], [Some(2), Some(3)]]);
+        assert_eq!(show(&[view(1, 0), view(1, 1)]), [[Some(0), Some(1)], nothing, nothing]);
+        assert_eq!(show(&[view(2, 2), view(2, 3)])[..2], [[Some(0), Some(1)], [Some(2), Some(3)]]);
+        assert_eq!(show(&[view(3, 4), view(3, 5)])[2], [Some(4), Some(5)]);
         // The newest frame counts.
-        assert_eq!(show(&[view(1, 4), view(2, 5)]), [[Some(4), None], [None, Some(5)]]);
-        // A swapchain that is not shown any more is not analysed any more.
-        assert_eq!(show(&[view(1, 0), view(1, 1)])[1], [None, Some(5)]);
-        assert_eq!(show(&[view(1, 0), view(1, 1)]), [[Some(0), Some(1)], nothing]);
-        assert_eq!(show(&[]), [[Some(0), Some(1)], nothing]);
+        assert_eq!(show(&[view(1, 4), view(2, 5)]), [[Some(4), None], [None, Some(5)], [Some(4), Some(5)]]);
+    }
+
+    #[test]
+    fn swapchains_that_are_not_shown_are_forgotten() {
+        let mut shown = ShownEyes::default();
+        let views = [view(1, 0), view(1, 1)];
+        shown.note(Some(&Projection { space: xr::Space::NULL, views: &views }));
+        for _ in 1..LONGEST_UNSHOWN {
+            shown.note(None);
+            assert_eq!(layers_of(&shown, 1), [Some(0), Some(1)]);
+        }
+        shown.note(None);
+        assert_eq!(layers_of(&shown, 1), [None; 2]);
+    }
+
+    #[test]
+    fn views_are_sent_for_eyes_of_the_frame() {
+        let mut shown = ShownEyes::default();
+        let views = [view(1, 0), view(2, 1)];
+        let scene = Projection { space: xr::Space::NULL, views: &views };
+        let has_view = |shown: &ShownEyes| {
+            let of = |swapchain| {
+                shown.of(xr::Swapchain::from_raw(swapchain)).map(|eye| eye.map(|eye| eye.has_view))
+            };
+            [of(1), of(2)]
+        };
+        shown.note(Some(&scene));
+        shown.sent_view(0, xr::Swapchain::from_raw(1));
+        assert_eq!(has_view(&shown), [[Some(true), None], [None, Some(false)]]);
+        // A frame without views ends that: an overlay has come.
+        shown.note(Some(&scene));
+        assert_eq!(has_view(&shown), [[Some(false), None], [None, Some(false)]]);
+        shown.note(None);
+        shown.sent_view(0, xr::Swapchain::from_raw(1));
+        assert_eq!(has_view(&shown), [[Some(false), None], [None, Some(false)]], "of an earlier frame");
     }
 }

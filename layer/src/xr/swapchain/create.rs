@@ -2,7 +2,8 @@
 
 use super::description::Description;
 use super::eligibility::{
-    NotSubstituted, analyzed_usage, filled_usage, kept_depth_usage, runtime_usage, shape, vulkan_usage,
+    NotSubstituted, analyzed_usage, filled_usage, is_plain, kept_depth_usage, runtime_usage, shape,
+    vulkan_usage,
 };
 use super::{SWAPCHAINS, Substitute, Swapchain, depth};
 use crate::abi::guard;
@@ -68,6 +69,8 @@ pub unsafe extern "system" fn create(
                 }
                 done
             };
+            // SAFETY: as above.
+            let is_known = asked.is_some_and(|asked| unsafe { is_plain(asked) });
             let mut result = xr::Result::ERROR_RUNTIME_FAILURE;
             let mut usage_flags = xr::SwapchainUsageFlags::EMPTY;
             if let (Some(asked), Ok(_)) = (asked, &planned) {
@@ -77,7 +80,8 @@ pub unsafe extern "system" fn create(
                 planned = Err(NotSubstituted::Usage(result));
             }
             if let (Some(asked), Err(_)) = (asked, &planned) {
-                (result, usage_flags) = with_first(asked, &more_usages(known, active, &config, asked));
+                let more = more_usages(known, (active, &config), asked, is_known);
+                (result, usage_flags) = with_first(asked, &more);
             }
             if result.into_raw() < 0 {
                 usage_flags = asked.map_or(usage_flags, |asked| asked.usage_flags);
@@ -87,7 +91,7 @@ pub unsafe extern "system" fn create(
                 // SAFETY: the call succeeded, so `swapchain` points to the new handle.
                 let made = unsafe { (asked, *swapchain) };
                 if let (Some(asked), handle) = made {
-                    track(known, (active, &config), (asked, usage_flags), handle, planned);
+                    track(known, (active, &config), (asked, is_known, usage_flags), handle, planned);
                 }
             }
             result
@@ -108,9 +112,9 @@ fn virtual_usages(
 /// Usages of the runtime's images, best first, where the application draws to them itself; none if only the application's own is needed.
 fn more_usages(
     session: &Session,
-    active: &Active,
-    config: &Config,
+    (active, config): (&Active, &Config),
     info: &xr::SwapchainCreateInfo,
+    is_plain: bool,
 ) -> SmallVec<[xr::SwapchainUsageFlags; 2]> {
     let asked = info.usage_flags;
     let needed = match () {
@@ -118,9 +122,8 @@ fn more_usages(
         () if depth::may_be_kept(active, config, info) => kept_depth_usage(asked),
         () => asked,
     };
-    let may_be_analyzed = session.may_judge(config)
-        && asked.contains(xr::SwapchainUsageFlags::COLOR_ATTACHMENT)
-        && Description::new(info, analyze::USAGE).analyzed_format().is_some();
+    let if_granted = Description::new(info, is_plain, analyze::RELEASED_USAGE);
+    let may_be_analyzed = session.may_judge(config) && if_granted.analyzed_format().is_some();
     let analyzed = may_be_analyzed.then(|| analyzed_usage(needed));
     let mut usages: SmallVec<_> =
         analyzed.into_iter().chain([needed]).filter(|more| *more != asked).collect();
@@ -168,7 +171,7 @@ unsafe fn plan(
 fn track(
     session: &Arc<Session>,
     (active, config): (&Active, &Config),
-    (info, usage_flags): (&xr::SwapchainCreateInfo, xr::SwapchainUsageFlags),
+    (info, is_plain, usage_flags): (&xr::SwapchainCreateInfo, bool, xr::SwapchainUsageFlags),
     handle: xr::Swapchain,
     planned: Result<SwapchainShape, NotSubstituted>,
 ) {
@@ -184,7 +187,14 @@ fn track(
         Some(_) => vulkan_usage(info.usage_flags) | APP_USAGE,
         None => vulkan_usage(usage_flags),
     };
-    let description = Description::new(info, granted);
+    let description = Description::new(info, is_plain, granted);
+    if substitute.is_none()
+        && session.may_judge(config)
+        && !info.usage_flags.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT)
+        && description.analyzed_format().is_none()
+    {
+        tracing::info!("rates by eccentricity alone in a swapchain: its images cannot be read");
+    }
     let swapchain = Arc::new(Swapchain::new(session, handle, description, substitute));
     if let Some(substitute) = &swapchain.substitute {
         swapchain.notify_images(substitute.app.images());

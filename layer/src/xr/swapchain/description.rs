@@ -17,12 +17,15 @@ pub struct Description {
     usage: vk::ImageUsageFlags,
     granted: vk::ImageUsageFlags,
     has_flags: bool,
+    /// Whether nothing unknown extends the request.
+    is_plain: bool,
     faces: u32,
 }
 
 impl Description {
-    /// Of a swapchain that the application created with `info`, and whose images may be used for `granted`.
-    pub fn new(info: &xr::SwapchainCreateInfo, granted: vk::ImageUsageFlags) -> Self {
+    /// Of a swapchain that the application created with `info`, which structures that the layer does not know extend unless it `is_plain`, and
+    /// whose images may be used for `granted`.
+    pub fn new(info: &xr::SwapchainCreateInfo, is_plain: bool, granted: vk::ImageUsageFlags) -> Self {
         Self {
             extent: [info.width, info.height],
             layers: info.array_size.saturating_mul(info.face_count.max(1)),
@@ -31,6 +34,7 @@ impl Description {
             usage: vulkan_usage(info.usage_flags),
             granted,
             has_flags: !info.create_flags.is_empty(),
+            is_plain,
             faces: info.face_count,
         }
     }
@@ -58,8 +62,9 @@ impl Description {
 
     /// The format in which the images can be analysed; `None` if they cannot be.
     pub fn analyzed_format(&self) -> Option<vk::Format> {
-        let is_plain = !self.has_flags && self.samples == 1 && self.faces == 1;
-        let can_be = is_plain && self.granted.contains(analyze::USAGE) && is_color_format(self.format);
+        let is_usual = self.is_plain && !self.has_flags && self.samples == 1 && self.faces == 1;
+        let can_be =
+            is_usual && self.granted.contains(analyze::RELEASED_USAGE) && is_color_format(self.format);
         can_be.then_some(self.format)
     }
 
@@ -76,7 +81,13 @@ impl Description {
     }
 
     /// The record for these images, to which it points.
-    pub fn record(&self, swapchain: u64, images: &[vk::Image], is_virtual: bool) -> SwapchainRecord {
+    pub fn record(
+        &self,
+        swapchain: u64,
+        images: &[vk::Image],
+        is_virtual: bool,
+        may_judge: bool,
+    ) -> SwapchainRecord {
         SwapchainRecord {
             swapchain,
             images: images.as_ptr(),
@@ -87,7 +98,8 @@ impl Description {
             samples: self.samples,
             usage: self.usage,
             granted: self.granted,
-            is_read: u32::from(is_virtual || self.analyzed_format().is_some()),
+            is_virtual: u32::from(is_virtual),
+            is_read: u32::from(is_virtual || (may_judge && self.analyzed_format().is_some())),
         }
     }
 }

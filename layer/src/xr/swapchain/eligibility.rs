@@ -79,6 +79,16 @@ pub unsafe fn shape(
     })
 }
 
+/// Whether the layer knows all structures in the chain.
+///
+/// # Safety
+///
+/// `info` is valid, and its chain is.
+pub unsafe fn is_plain(info: &xr::SwapchainCreateInfo) -> bool {
+    // SAFETY: as `# Safety` demands.
+    unsafe { view_formats(info) }.is_ok()
+}
+
 /// The formats of views that the application names in the chain, which may hold nothing else.
 ///
 /// # Safety
@@ -129,7 +139,7 @@ pub fn kept_depth_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFla
 
 /// As [`runtime_usage`], where the pictures in the runtime's images are analysed as the application draws them.
 pub fn analyzed_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFlags {
-    with(asked, analyze::USAGE)
+    with(asked, analyze::RELEASED_USAGE)
 }
 
 /// As [`runtime_usage`], where passes that draw to the runtime's images may have masks.

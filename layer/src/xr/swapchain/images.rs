@@ -4,6 +4,7 @@ use super::ring::CallOrderInvalid;
 use super::{Substitute, Swapchain, find};
 use crate::abi::{attempt, guard};
 use crate::xr::frame::{analyze_released, draw_over_released};
+use crate::xr::session::Session;
 use ash::vk;
 use ash::vk::Handle;
 use openxr_sys as xr;
@@ -210,7 +211,8 @@ pub unsafe extern "system" fn release_image(
     guard("xrReleaseSwapchainImage", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         let Some(substitute) = substitute_of(&known) else {
-            if let Some(known) = known.as_ref().filter(|known| !known.session.is_asleep()) {
+            let may_use = |session: &Session| !session.is_asleep() && !session.submits_late();
+            if let Some(known) = known.as_ref().filter(|known| may_use(&known.session)) {
                 // SAFETY: in this call the queue is the runtime's, hence ours, and until it returns the image is the application's,
                 // which has submitted all that draws to it. The debug view comes last: nothing of it is analysed.
                 attempt("the contrast of an image", || unsafe { analyze_released(known) });

@@ -1,9 +1,8 @@
 //! XR_KHR_vulkan_enable: the runtime names the extensions and the device, the application creates.
 
-use super::{Vulkan, graphics_family, load, with_device_info, with_instance_info};
+use super::{Application, Vulkan, graphics_family, load, with_device_info, with_instance_info};
 use crate::failure::{Failure, succeeded};
 use crate::functions::extension_function;
-use crate::options::VulkanVersion;
 use crate::xr::Xr;
 use ash::vk;
 use ash::vk::Handle as _;
@@ -11,7 +10,7 @@ use openxr_sys as xr;
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::null_mut;
 
-pub fn create(xr: &Xr, version: VulkanVersion) -> Result<Vulkan, Failure> {
+pub fn create(xr: &Xr, application: Application<'_>) -> Result<Vulkan, Failure> {
     require_graphics(xr)?;
     let (library, entry) = load()?;
     let get = extension_function!(xr, GetVulkanInstanceExtensionsKHR)?;
@@ -19,7 +18,7 @@ pub fn create(xr: &Xr, version: VulkanVersion) -> Result<Vulkan, Failure> {
         // SAFETY: the instance is live, the buffer has the capacity that is passed.
         unsafe { get(xr.instance, xr.system, capacity, count, buffer) }
     })?;
-    let instance = with_instance_info(version, &extensions, |info| {
+    let instance = with_instance_info(application, &extensions, |info| {
         // SAFETY: the structure and the data that it points to outlive the call.
         Ok(unsafe { entry.create_instance(info, None) }?)
     })?;

@@ -1,9 +1,8 @@
 //! XR_KHR_vulkan_enable2: the runtime creates the VkInstance and the VkDevice for the application.
 
-use super::{Vulkan, graphics_family, load, with_device_info, with_instance_info};
+use super::{Application, Vulkan, graphics_family, load, with_device_info, with_instance_info};
 use crate::failure::{Failure, succeeded};
 use crate::functions::extension_function;
-use crate::options::VulkanVersion;
 use crate::xr::Xr;
 use ash::vk;
 use ash::vk::Handle as _;
@@ -12,7 +11,7 @@ use openxr_sys::platform::VkGetInstanceProcAddr;
 use std::ffi::c_void;
 use std::ptr::{from_ref, null, null_mut};
 
-pub fn create(xr: &Xr, version: VulkanVersion) -> Result<Vulkan, Failure> {
+pub fn create(xr: &Xr, application: Application<'_>) -> Result<Vulkan, Failure> {
     let get = extension_function!(xr, GetVulkanGraphicsRequirements2KHR)?;
     let mut requirements = xr::GraphicsRequirementsVulkanKHR::out(null_mut());
     // SAFETY: the instance is live and the output outlives the call.
@@ -20,7 +19,7 @@ pub fn create(xr: &Xr, version: VulkanVersion) -> Result<Vulkan, Failure> {
     succeeded("xrGetVulkanGraphicsRequirements2KHR", result)?;
 
     let (library, entry) = load()?;
-    let instance = with_instance_info(version, &[], |info| create_instance(xr, &entry, info))?;
+    let instance = with_instance_info(application, &[], |info| create_instance(xr, &entry, info))?;
     let physical_device = graphics_device(xr, instance.handle())?;
     let family = graphics_family(&instance, physical_device)?;
     let device =

@@ -16,14 +16,15 @@ pub const STYLE: Style = Style {
     can_set_rates: true,
     passes: |size, frame| {
         let scene = PassTruth::each_eye(size, COLOR, "scene, in a part of the image");
-        scene.into_iter().map(|pass| PassTruth { area: part(size, frame), ..pass }).collect()
+        let part = part(size, frame);
+        scene.into_iter().map(|pass| PassTruth { area: part, viewport: part, ..pass }).collect()
     },
     start,
     ..Style::PLAIN
 };
 
 /// Between 0.6 and 1 of the size in each direction.
-fn part(size: [u32; 2], frame: u64) -> [u32; 2] {
+pub fn part(size: [u32; 2], frame: u64) -> [u32; 2] {
     let tenths = [10, 9, 8, 7, 6, 7, 8, 9][(frame % 8) as usize];
     size.map(|length| length * tenths / 10)
 }

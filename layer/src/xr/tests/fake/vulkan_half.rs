@@ -111,6 +111,7 @@ pub fn record() -> DeviceRecord {
         next_get_device_proc_addr: no_device_function,
         set_device_loader_data,
         arming: Arming::Rates as u32,
+        submits_late: 0,
     }
 }
 
