@@ -120,6 +120,22 @@ impl Bound {
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         // SAFETY: the command buffer is recording, as `# Safety` demands; the bound objects stay valid as long as it does.
         unsafe {
+            self.restore_rects(next, commands);
+            if let Some(bind) = next.cmd_bind_pipeline
+                && self.pipeline != vk::Pipeline::null()
+            {
+                bind(commands, GRAPHICS, self.pipeline);
+            }
+            self.sets.restore(next, commands, GRAPHICS);
+        }
+    }
+
+    /// # Safety
+    ///
+    /// As for [`Self::restore`].
+    unsafe fn restore_rects(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
+        unsafe {
             if let (Some(all), Some(set)) = (self.viewports.all(), next.cmd_set_viewport_with_count) {
                 set(commands, all.len() as u32, all.as_ptr());
             } else if let (Some(viewport), Some(set)) = (self.viewports.first(), next.cmd_set_viewport) {
@@ -130,12 +146,6 @@ impl Bound {
             } else if let (Some(scissor), Some(set)) = (self.scissors.first(), next.cmd_set_scissor) {
                 set(commands, 0, 1, &scissor);
             }
-            if let Some(bind) = next.cmd_bind_pipeline
-                && self.pipeline != vk::Pipeline::null()
-            {
-                bind(commands, GRAPHICS, self.pipeline);
-            }
-            self.sets.restore(next, commands, GRAPHICS);
         }
     }
 }
