@@ -61,6 +61,8 @@ pub struct Pass {
     pub depth: Option<Target>,
     /// The render area: x, y, width, height in pixels.
     pub area: [u32; 4],
+    /// The part of it that its draws reach by their viewports; all of it where that is not known.
+    pub region: [u32; 4],
     /// Multiview's mask; 0 without.
     pub view_mask: u32,
     /// Facts that limit a backend.
@@ -70,6 +72,25 @@ pub struct Pass {
     /// Its draws; `None` where they are not followed.
     pub draws: Option<Draws>,
 }
+
+impl Pass {
+    /// The area of the picture that a pass over all of a picture draws: a part of the render area with the same aspect, as with dynamic
+    /// resolution in a target of a fixed size; else the render area.
+    pub fn picture_area(&self) -> [u32; 4] {
+        let [width, height, whole_width, whole_height] =
+            [self.region[2], self.region[3], self.area[2], self.area[3]].map(|side| side as f32);
+        let scale = [width / whole_width, height / whole_height];
+        let same_aspect = (scale[0] / scale[1] - 1.0).abs() * width.min(height) <= ROUNDING;
+        let is_large = scale.iter().all(|scale| *scale >= LEAST_SCALE);
+        if same_aspect && is_large { self.region } else { self.area }
+    }
+}
+
+/// Greatest difference between equal aspects, pixels: sizes are often rounded to a multiple of 8.
+const ROUNDING: f32 = 8.0;
+
+/// Least scale of dynamic resolution: a quarter of the pixels.
+const LEAST_SCALE: f32 = 0.5;
 
 /// The draws of a pass.
 ///
@@ -183,4 +204,34 @@ pub enum TransferKind {
     Blit,
     /// vkCmdResolveImage.
     Resolve,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_in_regions_of_the_same_aspect() {
+        let of = |region: [u32; 4]| {
+            let pass = Pass {
+                colors: SmallVec::new(),
+                resolves: SmallVec::new(),
+                depth: None,
+                area: [0, 0, 1000, 1100],
+                region,
+                view_mask: 0,
+                facts: PassFacts::default(),
+                unmasked: None,
+                draws: None,
+            };
+            pass.picture_area()
+        };
+        for scaled in [[0, 0, 1000, 1100], [0, 0, 800, 880], [200, 220, 800, 880], [0, 0, 504, 552]] {
+            assert_eq!(of(scaled), scaled);
+        }
+        // An interface, an inset, one of two eyes, a thumbnail, nothing.
+        for other in [[0, 0, 1000, 550], [100, 100, 500, 900], [0, 0, 500, 1100], [0, 0, 100, 110], [0; 4]] {
+            assert_eq!(of(other), [0, 0, 1000, 1100], "{other:?}");
+        }
+    }
 }

@@ -87,6 +87,7 @@ mod tests {
             resolves: SmallVec::new(),
             depth: None,
             area: [0, 0, 8, 8],
+            region: [0, 0, 8, 8],
             view_mask: 0,
             facts: PassFacts::default(),
             unmasked: None,

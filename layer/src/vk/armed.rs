@@ -134,7 +134,11 @@ impl Armed {
 
     /// The application makes a pipeline with viewports of its own.
     pub fn note_static_viewports(&self) {
-        self.has_static_viewports.store(true, Ordering::Relaxed);
+        if !self.has_static_viewports.swap(true, Ordering::Relaxed) {
+            tracing::info!(
+                "a pipeline has viewports of its own: passes are taken to draw to all of their render areas"
+            );
+        }
     }
 
     /// The parts with which work of ours is submitted; `None` if a needed function is missing.

@@ -105,7 +105,7 @@ impl PreSubmitRing {
     ) -> bool {
         // Taken out, so that no lock is held across a call down. A queue is one thread's at a time; where that rule is
         // broken, the other thread finds none and makes one.
-        let mut slots = self.take_out();
+        let (mut slots, _) = self.take_out();
         let free_slot = |slots: &[Slot]| slots.iter().position(|slot| slot.pending().is_none());
         let mut free = free_slot(&slots);
         if free.is_none() && slots.len() >= LEAST_SLOTS {
@@ -132,10 +132,11 @@ impl PreSubmitRing {
         done
     }
 
-    fn take_out(&self) -> Vec<Slot> {
+    /// All slots but those that other threads have taken out, and the number of these threads.
+    fn take_out(&self) -> (Vec<Slot>, u32) {
         let mut slots = self.lock();
-        self.takers.fetch_add(1, Ordering::Relaxed);
-        std::mem::take(&mut *slots)
+        let others = self.takers.fetch_add(1, Ordering::Relaxed);
+        (std::mem::take(&mut *slots), others)
     }
 
     /// Back with their memory, so that a steady frame asks for none; behind them the slots that another thread has made meanwhile.
@@ -148,7 +149,7 @@ impl PreSubmitRing {
 
     /// Lets go of all that the GPU is done with: no submit may follow for long.
     pub fn poll(&self, functions: &Functions) {
-        let mut slots = self.take_out();
+        let (mut slots, _) = self.take_out();
         find_finished(&mut slots, &functions.device);
         self.put_back(slots);
     }
@@ -158,11 +159,11 @@ impl PreSubmitRing {
     pub fn wait(&self, functions: &Functions) {
         let start = Instant::now();
         loop {
-            let mut slots = self.take_out();
+            let (mut slots, others) = self.take_out();
             slots.iter_mut().for_each(|slot| slot.wait(&functions.device));
             self.put_back(slots);
             // After a panic a thread puts nothing back.
-            if self.takers.load(Ordering::Relaxed) == 0 || start.elapsed() > LONGEST_TAKEN {
+            if others == 0 || start.elapsed() > LONGEST_TAKEN {
                 return;
             }
             std::thread::yield_now();

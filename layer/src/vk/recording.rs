@@ -43,6 +43,7 @@ use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 use stencil::StencilTests;
 use untracked::Recordings;
+use viewports::Viewports;
 
 /// Command buffers of all armed devices: their handles are addresses, so that no two live ones are the same.
 static BUFFERS: LazyLock<Table<vk::CommandBuffer, Arc<Buffer>>> = LazyLock::new(Table::default);
@@ -97,6 +98,7 @@ pub struct Recorded {
     is_conditional: bool,
     /// Draws of the pass that is being recorded, or of a secondary that continues one.
     tally: Tally,
+    viewports: Viewports,
 }
 
 /// Facts of a pass from the commands within.
@@ -172,6 +174,7 @@ impl Recorded {
         self.queries = 0;
         self.is_conditional = false;
         self.tally = Tally::default();
+        self.viewports = Viewports::default();
     }
 
     /// A pass begins, with a mask or without; `pass` is `None` if its objects are unknown.
@@ -182,6 +185,7 @@ impl Recorded {
             self.candidates.push(Arc::clone(candidate));
         }
         self.within = Within::default();
+        self.viewports.pass_begins();
         self.stencil.pass_begins();
         self.target = candidate;
         self.mask = mask;
@@ -192,16 +196,22 @@ impl Recorded {
         }
     }
 
-    /// The draws of the pass that is being recorded and ends are these. Its area is the part that they can reach, unless pipelines may have
+    /// The draws of the pass that is being recorded and ends are these. Its region is not known if some are lost, or pipelines may have
     /// viewports of their own.
     fn end_draws(&mut self, has_static_viewports: bool) {
-        let (draws, region) = self.tally.finish();
+        let region = self.viewports.finish(self.tally.counts());
+        let draws = self.tally.finish();
         if let Some(Event::Pass(pass)) = self.open.and_then(|open| self.events.get_mut(open)) {
             pass.draws = draws;
-            if !has_static_viewports {
-                pass.area = region.of_area(pass.area);
+            if pass.draws.is_some() && !has_static_viewports {
+                pass.region = region.of_area(pass.area);
             }
         }
+    }
+
+    /// A secondary command buffer ends: all of its draws are counted.
+    fn count_viewports(&mut self) {
+        self.viewports.count(self.tally.counts());
     }
 
     /// The pass that is being recorded ends; returns the mask that it had.
@@ -293,6 +303,7 @@ impl Recorded {
         if self.is_within_pass() {
             self.tally.execute(&secondary.tally);
         }
+        self.viewports.execute(&secondary.viewports, secondary.tally.counts());
         self.drawing.forget();
         self.offsets.forget_offsets();
     }

@@ -8,7 +8,7 @@ use super::candidates::{Candidate, Need};
 use super::{device, recording, runtime_section};
 use crate::abi::copies::slice;
 use crate::abi::guard;
-use crate::pass_detection::{Event, Part, Pass, Unmasked};
+use crate::pass_detection::{Event, How, Part, Pass, Unmasked};
 use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
@@ -226,7 +226,10 @@ fn recognise_passes(
                 log.has_rates();
             }
             let mut content = candidate.content();
-            content.note(queue, log.frame(), pass.area, parts);
+            // Other evidence places pictures in their images, wherever a pass draws.
+            let is_whole = how == Some(How::Shape);
+            let area = if is_whole { pass.picture_area() } else { pass.area };
+            content.note(queue, log.frame(), area, parts);
             content.note_fill(log.frame(), pass.facts.is_unfilled);
         }
     }

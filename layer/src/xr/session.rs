@@ -75,7 +75,8 @@ impl Session {
         wants_contrast(config, on_cpu) && self.has_backend()
     }
 
-    fn has_backend(&self) -> bool {
+    /// Whether passes on the device can be made coarser.
+    pub fn has_backend(&self) -> bool {
         self.active.as_ref().is_some_and(|active| active.device.capabilities.backend != BACKEND_NONE)
     }
 

@@ -142,9 +142,9 @@ impl Swapchain {
 
     fn notify(&self, images: &[vk::Image]) {
         let Some(active) = &self.session.active else { return };
-        let may_judge = self.session.may_judge(&self.session.instance.config.snapshot());
         let is_virtual = self.substitute.is_some();
-        let record = self.description.record(self.handle.into_raw(), images, is_virtual, may_judge);
+        let record =
+            self.description.record(self.handle.into_raw(), images, is_virtual, self.session.has_backend());
         // SAFETY: the record points to `images`.
         unsafe { active.device.notify_swapchain(&record) };
     }

@@ -38,6 +38,7 @@ fn pass(image: u64) -> Event {
         resolves: SmallVec::new(),
         depth: None,
         area: [0, 0, EYE[0], EYE[1]],
+        region: [0, 0, EYE[0], EYE[1]],
         view_mask: 0,
         facts: PassFacts::default(),
         unmasked: None,

@@ -37,6 +37,7 @@ impl Step {
             resolves: SmallVec::new(),
             depth: None,
             area: [0, 0, extent[0], extent[1]],
+            region: [0, 0, extent[0], extent[1]],
             view_mask: if is_layered { 0b11 } else { 0 },
             facts: PassFacts::default(),
             unmasked: None,

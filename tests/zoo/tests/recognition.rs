@@ -57,7 +57,7 @@ fn check(style: &Style) -> Result<(), Failed> {
         .collect();
     assert_eq!(noted.len(), truth.len(), "passes");
     for (noted, (frame, truth)) in noted.iter().zip(&truth) {
-        let is_this = (noted.frame, noted.extent, noted.area) == (*frame, truth.extent, truth.viewport)
+        let is_this = (noted.frame, noted.extent, noted.area) == (*frame, truth.extent, truth.area)
             && (noted.layers, noted.samples) == (truth.layers, truth.samples)
             && noted.format == format!("{:?}", truth.format);
         assert!(is_this, "noted {noted:?}\nis {truth:?}");

@@ -89,6 +89,8 @@ fn is_frequent(name: &CStr) -> bool {
             PUSH_CONSTANTS,
             PUSH_DATA,
             STENCIL,
+            VIEWPORT,
+            SCISSOR,
             DRAW,
         ]
         .iter()
@@ -97,6 +99,10 @@ fn is_frequent(name: &CStr) -> bool {
 
 /// Prefix of the names of commands that set stencil tests.
 const STENCIL: &[u8] = b"vkCmdSetStencil";
+
+/// Prefixes of the names of commands that set viewports and scissors.
+const VIEWPORT: &[u8] = b"vkCmdSetViewport";
+const SCISSOR: &[u8] = b"vkCmdSetScissor";
 
 /// Prefix of the names of commands that push constants.
 const PUSH_CONSTANTS: &[u8] = b"vkCmdPushConstants";
@@ -107,10 +113,10 @@ const PUSH_DATA: &[u8] = b"vkCmdPushData";
 /// Prefix of the names of draw commands.
 const DRAW: &[u8] = b"vkCmdDraw";
 
-/// Whether it is of interest: stencil tests and pushed data where passes may have masks, and constants too where there are heaps; draws and
-/// descriptors where passes may be made coarser; pipelines where rates may have to be set then, or masks must know of them.
+/// Whether it is of interest: stencil tests, scissors and pushed data where passes may have masks, and constants too where there are heaps;
+/// draws, viewports and descriptors where passes may be made coarser; pipelines where rates may have to be set then, or masks must know of them.
 fn is_wanted(device: &Device, name: &CStr) -> bool {
-    if [STENCIL, PUSH_DATA].iter().any(|begin| name.to_bytes().starts_with(begin)) {
+    if [STENCIL, SCISSOR, PUSH_DATA].iter().any(|begin| name.to_bytes().starts_with(begin)) {
         return device.masks().is_some();
     }
     if name.to_bytes().starts_with(PUSH_CONSTANTS) {

@@ -216,6 +216,7 @@ mod tests {
             resolves: smallvec![],
             depth: None,
             area: [0, 0, 64, 64],
+            region: [0, 0, 64, 64],
             view_mask: 0,
             facts: PassFacts::default(),
             unmasked: None,

@@ -170,6 +170,7 @@ mod tests {
             resolves: SmallVec::new(),
             depth: None,
             area: [1, 2, 30, 40],
+            region: [1, 2, 30, 40],
             view_mask: 0b11,
             facts: PassFacts::default(),
             unmasked: None,

@@ -2,6 +2,7 @@
 
 use crate::abi::copies::slice;
 use crate::vk::device;
+use crate::vk::runtime_section::in_runtime_section;
 use crate::vk::shaders::parts::has_static_viewports;
 use ash::vk;
 
@@ -23,7 +24,7 @@ pub unsafe extern "system" fn create_pipelines(
         device::with,
         create_graphics_pipelines(device, cache, count, infos, allocator, made),
         |known, next, answer| {
-            if let Some(armed) = &known.armed {
+            if let Some(armed) = known.armed.as_ref().filter(|_| !in_runtime_section()) {
                 // SAFETY: valid usage demands `count` valid structures.
                 let is_any = unsafe { slice(infos, count).iter().any(|info| has_static_viewports(info)) };
                 if is_any {

@@ -207,15 +207,15 @@ pub unsafe extern "system" fn set_viewport(
         cmd_set_viewport(handle, first, count, viewports),
         |known, next| {
             next();
-            // SAFETY: valid usage demands so many viewports; the command buffer is live.
-            let viewports = unsafe {
-                let viewports = slice(viewports, count);
-                draws::set_viewports(handle, first, viewports);
-                viewports
-            };
-            let recorded = known.as_ref().map(|known| known.recorded());
-            if let Some(mut recorded) = recorded.filter(|recorded| recorded.drawing.is_followed) {
-                recorded.drawing.viewports.keep(first, viewports);
+            if let Some(known) = known.filter(|_| count > 0) {
+                // SAFETY: valid usage demands so many viewports.
+                let viewports = unsafe { slice(viewports, count) };
+                let counts = draws::counts(&known, handle);
+                let mut recorded = known.recorded();
+                recorded.viewports.set(first, viewports, counts);
+                if recorded.drawing.is_followed {
+                    recorded.drawing.viewports.keep(first, viewports);
+                }
             }
         }
     );
@@ -237,15 +237,15 @@ pub unsafe extern "system" fn set_viewport_with_count(
         cmd_set_viewport_with_count(handle, count, viewports),
         |known, next| {
             next();
-            // SAFETY: valid usage demands so many viewports; the command buffer is live.
-            let viewports = unsafe {
-                let viewports = slice(viewports, count);
-                draws::set_viewports(handle, 0, viewports);
-                viewports
-            };
-            let recorded = known.as_ref().map(|known| known.recorded());
-            if let Some(mut recorded) = recorded.filter(|recorded| recorded.drawing.is_followed) {
-                recorded.drawing.viewports.keep_all(viewports);
+            if let Some(known) = known {
+                // SAFETY: valid usage demands so many viewports.
+                let viewports = unsafe { slice(viewports, count) };
+                let counts = draws::counts(&known, handle);
+                let mut recorded = known.recorded();
+                recorded.viewports.set(0, viewports, counts);
+                if recorded.drawing.is_followed {
+                    recorded.drawing.viewports.keep_all(viewports);
+                }
             }
         }
     );

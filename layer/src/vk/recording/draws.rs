@@ -1,5 +1,4 @@
-//! Draws, counted by pass, the attachments that they may read, and the regions that they can reach: the evidence that distinguishes the
-//! scene from full-screen passes and textures.
+//! Draws, counted by pass, and the attachments that they may read: the evidence that distinguishes the scene from full-screen passes and textures.
 //!
 //! Engines draw ten thousand times a frame, so the counts of the pass that a thread records are the thread's own: a draw adds to them
 //! without a lock or a look-up. They go to the command buffer where the pass ends, and where the thread continues another.
@@ -10,7 +9,6 @@ mod hooks;
 pub use cached_device::{cached_device, device_ends, device_made};
 pub use hooks::*;
 
-use super::viewports::Region;
 use super::{Buffer, buffer, untracked};
 use crate::pass_detection::{Draws, Reads};
 use ash::vk;
@@ -55,8 +53,6 @@ pub struct Tally {
     counts: Counts,
     /// Reads of quads, and of other draws.
     reads: [Reads; 2],
-    /// Regions of quads, and of other draws.
-    regions: [Region; 2],
     /// The thread that counts; 0: none yet.
     thread: usize,
     /// Whether draws were counted on several threads, and some counts are lost.
@@ -71,23 +67,19 @@ impl Tally {
         for (reads, more) in self.reads.iter_mut().zip(&secondary.reads) {
             reads.add(more);
         }
-        for (region, more) in self.regions.iter_mut().zip(secondary.regions) {
-            *region = region.with(more);
-        }
     }
 
-    /// All of a pass that ends, and its region: that of the meshes, if there are any, as a quad may clear more than the picture. `None` and
-    /// everything if some are lost.
-    pub fn finish(&mut self) -> (Option<Draws>, Region) {
-        let Self { counts, reads, is_lost, regions, .. } = std::mem::take(self);
-        if is_lost {
-            return (None, Region::Everything);
-        }
+    /// The draws that were handed over so far.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// All of a pass that ends; `None` if some are lost.
+    pub fn finish(&mut self) -> Option<Draws> {
+        let Self { counts, reads, is_lost, .. } = std::mem::take(self);
         let Counts { quads, meshes, vertices } = counts;
         let [read_by_quads, read_by_meshes] = reads;
-        let [of_quads, of_meshes] = regions;
-        let region = if meshes > 0 { of_meshes } else { of_quads };
-        (Some(Draws { quads, meshes, vertices, read_by_quads, read_by_meshes }), region)
+        (!is_lost).then_some(Draws { quads, meshes, vertices, read_by_quads, read_by_meshes })
     }
 }
 
@@ -107,9 +99,7 @@ struct Open {
     is_unknown: Cell<bool>,
     /// Whether any of that is bound.
     may_read: Cell<bool>,
-    /// The region of the viewports.
-    region: Cell<Region>,
-    /// Whether the bound sets and the region were noted for quads, and for other draws.
+    /// Whether the bound sets were noted as read by quads, and by other draws.
     noted: [Cell<bool>; 2],
 }
 
@@ -122,7 +112,6 @@ thread_local! {
             sets: [const { Cell::new(0) }; SETS],
             is_unknown: Cell::new(false),
             may_read: Cell::new(false),
-            region: Cell::new(Region::Everything),
             noted: [const { Cell::new(false) }; 2],
         }
     };
@@ -139,19 +128,11 @@ impl Open {
         self.bound_in.set(raw);
         self.sets.iter().for_each(|set| set.set(0));
         self.is_unknown.set(is_unknown);
-        self.region.set(Region::Everything);
         self.is_bound_anew();
-        self.note_again();
     }
 
     fn is_bound_anew(&self) {
         self.may_read.set(self.is_unknown.get() || self.sets.iter().any(|set| set.get() != 0));
-        if self.may_read.get() {
-            self.note_again();
-        }
-    }
-
-    fn note_again(&self) {
         self.noted.iter().for_each(|noted| noted.set(false));
     }
 
@@ -160,7 +141,7 @@ impl Open {
         if self.bound_in.get() != raw {
             self.forget_bound(raw, true);
         }
-        self.note_again();
+        self.noted.iter().for_each(|noted| noted.set(false));
     }
 }
 
@@ -169,8 +150,8 @@ impl Open {
 enum Counted {
     /// The draw is counted, or is not to be.
     Done,
-    /// The reads of the bound sets, and the region, have to be noted first.
-    StateNotNoted,
+    /// The reads of the bound sets have to be noted first.
+    ReadsNotNoted,
     /// The thread records no pass of that command buffer.
     Elsewhere,
 }
@@ -183,8 +164,8 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
         if open.handle.get() != raw {
             return if untracked::is_here(handle) { Counted::Done } else { Counted::Elsewhere };
         }
-        if !open.noted[usize::from(more.meshes > 0)].get() {
-            return Counted::StateNotNoted;
+        if open.may_read.get() && !open.noted[usize::from(more.meshes > 0)].get() {
+            return Counted::ReadsNotNoted;
         }
         let mut counts = open.counts.get();
         counts.add(more);
@@ -194,17 +175,12 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
     OPEN.try_with(add).unwrap_or(Counted::Elsewhere)
 }
 
-/// Notes the bound sets as read by a kind of draws, and the region as reached by it.
-fn note_state(of: &Buffer, more: Counts) {
+/// Notes the bound sets as read by a kind of draws.
+fn add_reads(of: &Buffer, more: Counts) {
     let _ = OPEN.try_with(|open| {
         let kind = usize::from(more.meshes > 0);
         open.noted[kind].set(true);
-        let tally = &mut of.recorded().tally;
-        tally.regions[kind] = tally.regions[kind].with(open.region.get());
-        if !open.may_read.get() {
-            return;
-        }
-        let reads = &mut tally.reads[kind];
+        let reads = &mut of.recorded().tally.reads[kind];
         reads.may_read_more |= open.is_unknown.get();
         for set in open.sets.iter().map(Cell::get).filter(|set| *set != 0) {
             of.armed.objects.descriptors.read(vk::DescriptorSet::from_raw(set), reads);
@@ -224,8 +200,6 @@ pub fn untracked_begins(handle: vk::CommandBuffer) {
     let raw = handle.as_raw();
     let took = OPEN.try_with(|open| {
         open.forget_bound(raw, false);
-        // Of no pass is anything noted.
-        open.noted.iter().for_each(|noted| noted.set(true));
         (open.handle.replace(raw), open.counts.replace(Counts::default()))
     });
     if let Ok((before, counts)) = took {
@@ -275,30 +249,6 @@ pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::Descriptor
         }
         if is_changed {
             open.is_bound_anew();
-        }
-    });
-}
-
-/// Viewports are set for drawing from number `first` on; from number 0 on, they count as all of them.
-///
-/// # Safety
-///
-/// `handle` is a live command buffer.
-#[inline]
-pub unsafe fn set_viewports(handle: vk::CommandBuffer, first: u32, viewports: &[vk::Viewport]) {
-    // SAFETY: the handle is live, as `# Safety` demands.
-    if unsafe { cached_device(handle) }.is_none() || untracked::is_here(handle) {
-        return;
-    }
-    let raw = handle.as_raw();
-    let _ = OPEN.try_with(|open| {
-        if open.bound_in.get() != raw {
-            open.forget_bound(raw, true);
-        }
-        let set = Region::of(viewports);
-        let region = if first == 0 { set } else { set.with(open.region.get()) };
-        if open.region.replace(region) != region {
-            open.note_again();
         }
     });
 }
@@ -362,15 +312,21 @@ pub fn settle(of: &Buffer, handle: vk::CommandBuffer) {
     }
 }
 
-/// Draws so far of the pass that is being recorded, or of a secondary that continues one.
+/// Number of draws so far of the pass that is being recorded, or of a secondary that continues one.
 pub fn counted(of: &Buffer, handle: vk::CommandBuffer) -> u32 {
+    let counts = counts(of, handle);
+    counts.quads.wrapping_add(counts.meshes)
+}
+
+/// Draws so far of the pass that is being recorded, or of a secondary that continues one.
+pub fn counts(of: &Buffer, handle: vk::CommandBuffer) -> Counts {
     let of_thread = OPEN.try_with(|open| {
         let is_this = open.handle.get() == handle.as_raw();
         is_this.then(|| open.counts.get())
     });
     let mut counts = of.recorded().tally.counts;
     counts.add(of_thread.ok().flatten().unwrap_or_default());
-    counts.quads.wrapping_add(counts.meshes)
+    counts
 }
 
 /// Counts a draw that needs more than the thread's counts.
@@ -380,8 +336,8 @@ pub fn count_tracked(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
         take_up(of, handle, false);
         counted = count(handle, more);
     }
-    if counted == Counted::StateNotNoted {
-        note_state(of, more);
+    if counted == Counted::ReadsNotNoted {
+        add_reads(of, more);
         count(handle, more);
     }
 }

@@ -354,6 +354,7 @@ impl Instance {
             resolves: render_pass.resolves.iter().filter_map(target).collect(),
             depth: render_pass.depth.as_ref().and_then(target),
             area: super::area(self.area),
+            region: super::area(self.area),
             view_mask: render_pass.view_mask,
             facts: render_pass.facts,
             unmasked: None,

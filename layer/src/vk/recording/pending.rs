@@ -124,6 +124,7 @@ pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Resul
         if let Some(known) = known {
             stencil::changes(&known, handle);
             draws::settle(&known, handle);
+            known.recorded().count_viewports();
             // SAFETY: the command buffer is recording, outside of render passes, by valid usage.
             unsafe {
                 known.fill_all(handle);

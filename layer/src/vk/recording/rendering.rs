@@ -178,6 +178,7 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
             .collect(),
         depth: depth.and_then(|found| target(found.image_view)),
         area: super::area(info.render_area),
+        region: super::area(info.render_area),
         view_mask: info.view_mask,
         facts: PassFacts {
             clears_depth: depth.is_some_and(|found| found.load_op == vk::AttachmentLoadOp::CLEAR),

@@ -12,6 +12,7 @@ fn pass(image: u64) -> Pass {
         resolves: SmallVec::new(),
         depth: None,
         area: [0, 0, 8, 8],
+        region: [0, 0, 8, 8],
         view_mask: 0,
         facts: PassFacts::default(),
         unmasked: None,

@@ -1,6 +1,9 @@
 //! The regions that draws of a pass can reach, by their viewports: an application with dynamic resolution draws to a part of its targets,
 //! in passes whose render area is the whole of them.
+//!
+//! Draws are not looked at one by one: a viewport reaches as far as draws were counted from its command to the next.
 
+use super::draws::Counts;
 use ash::vk;
 
 /// A region of a pass's targets.
@@ -56,6 +59,61 @@ impl Region {
     }
 }
 
+/// The viewports of a command buffer, and the regions that its pass has drawn to.
+#[derive(Clone, Debug)]
+pub struct Viewports {
+    current: Region,
+    /// The draws of the pass when `current` was set.
+    counts: Counts,
+    /// Regions of quads, and of other draws.
+    drawn: [Region; 2],
+}
+
+impl Default for Viewports {
+    fn default() -> Self {
+        Self { current: Region::Everything, counts: Counts::default(), drawn: [Region::Nothing; 2] }
+    }
+}
+
+impl Viewports {
+    /// Viewports are set from number `first` on, after these draws of the pass; from number 0 on, they count as all of them.
+    pub fn set(&mut self, first: u32, viewports: &[vk::Viewport], counts: Counts) {
+        self.count(counts);
+        let region = Region::of(viewports);
+        self.current = if first == 0 { region } else { region.with(self.current) };
+    }
+
+    /// The pass has made these draws so far.
+    pub fn count(&mut self, counts: Counts) {
+        let is_more = [counts.quads > self.counts.quads, counts.meshes > self.counts.meshes];
+        for (drawn, _) in self.drawn.iter_mut().zip(is_more).filter(|(_, is_more)| *is_more) {
+            *drawn = drawn.with(self.current);
+        }
+        self.counts = counts;
+    }
+
+    /// A pass begins.
+    pub fn pass_begins(&mut self) {
+        *self = Self { current: self.current, ..Self::default() };
+    }
+
+    /// A secondary command buffer with that many draws is executed. It leaves no viewports.
+    pub fn execute(&mut self, secondary: &Self, draws: Counts) {
+        self.counts.add(draws);
+        self.current = Region::Everything;
+        for (drawn, more) in self.drawn.iter_mut().zip(secondary.drawn) {
+            *drawn = drawn.with(more);
+        }
+    }
+
+    /// The region of a pass that ends with these draws: that of the meshes, if there are any, as a quad may clear more than the picture.
+    pub fn finish(&mut self, counts: Counts) -> Region {
+        self.count(counts);
+        let [of_quads, of_meshes] = self.drawn;
+        if counts.meshes > 0 { of_meshes } else { of_quads }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,5 +145,53 @@ mod tests {
         let known = Region::of(&[viewport(0.0, 0.0, 10.0, 10.0)]);
         assert_eq!(known.with(Region::Everything).of_area(AREA), AREA);
         assert_eq!(Region::Nothing.with(known), known);
+    }
+
+    const QUAD: Counts = Counts { quads: 1, meshes: 0, vertices: 3 };
+    const MESH: Counts = Counts { quads: 0, meshes: 1, vertices: 300 };
+
+    fn sum(all: &[Counts]) -> Counts {
+        all.iter().fold(Counts::default(), |mut sum, more| {
+            sum.add(*more);
+            sum
+        })
+    }
+
+    #[test]
+    fn viewports_count_once_they_are_drawn_with() {
+        let [whole, part] = [viewport(0.0, 0.0, 100.0, 80.0), viewport(0.0, 0.0, 80.0, 64.0)];
+        let region = |viewport| Region::of(&[viewport]);
+        let mut viewports = Viewports::default();
+        // From before the pass; nothing is drawn with it.
+        viewports.set(0, &[whole], Counts::default());
+        viewports.pass_begins();
+        viewports.set(0, &[part], Counts::default());
+        assert_eq!(viewports.clone().finish(MESH), region(part));
+        // A quad with another one clears.
+        viewports.set(0, &[whole], MESH);
+        assert_eq!(viewports.clone().finish(sum(&[MESH, QUAD])), region(part));
+        assert_eq!(viewports.clone().finish(sum(&[MESH, MESH])), region(whole));
+        // It is still set in the next pass.
+        viewports.pass_begins();
+        assert_eq!(viewports.clone().finish(QUAD), region(whole));
+        assert_eq!(viewports.clone().finish(Counts::default()), Region::Nothing);
+        // Another one beside it.
+        viewports.set(1, &[part], Counts::default());
+        assert_eq!(viewports.finish(MESH), region(whole));
+    }
+
+    #[test]
+    fn regions_of_secondaries_are_those_of_the_pass() {
+        let part = viewport(0.0, 0.0, 80.0, 64.0);
+        let mut secondary = Viewports::default();
+        secondary.set(0, &[part], Counts::default());
+        secondary.count(MESH);
+        let mut viewports = Viewports::default();
+        viewports.pass_begins();
+        viewports.execute(&secondary, MESH);
+        assert_eq!(viewports.clone().finish(MESH), Region::of(&[part]));
+        assert_eq!(viewports.finish(sum(&[MESH, MESH])), Region::Everything, "what it leaves is not known");
+        let mut unknown = Viewports::default();
+        assert_eq!(unknown.finish(MESH), Region::Everything, "nothing was set");
     }
 }

@@ -86,7 +86,7 @@ impl Description {
         swapchain: u64,
         images: &[vk::Image],
         is_virtual: bool,
-        may_judge: bool,
+        has_backend: bool,
     ) -> SwapchainRecord {
         SwapchainRecord {
             swapchain,
@@ -99,7 +99,7 @@ impl Description {
             usage: self.usage,
             granted: self.granted,
             is_virtual: u32::from(is_virtual),
-            is_read: u32::from(is_virtual || (may_judge && self.analyzed_format().is_some())),
+            is_read: u32::from(is_virtual || (has_backend && self.analyzed_format().is_some())),
         }
     }
 }

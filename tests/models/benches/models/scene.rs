@@ -116,6 +116,7 @@ fn pass_to(pass: u64) -> Pass {
         resolves: Default::default(),
         depth: None,
         area: [0, 0, SIDE, SIDE],
+        region: [0, 0, SIDE, SIDE],
         view_mask: 0,
         facts: PassFacts::default(),
         unmasked: None,

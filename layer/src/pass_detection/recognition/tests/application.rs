@@ -192,6 +192,7 @@ pub fn whole(extent: [u32; 2], colors: &[ImageKey]) -> Pass {
         resolves: SmallVec::new(),
         depth: None,
         area: [0, 0, extent[0], extent[1]],
+        region: [0, 0, extent[0], extent[1]],
         view_mask: 0,
         facts: PassFacts::default(),
         unmasked: None,

@@ -87,6 +87,7 @@ fn any_pass() -> impl Strategy<Value = Pass> {
             resolves: resolves.into(),
             depth,
             area,
+            region: area,
             view_mask,
             facts: PassFacts { clears_depth, ..PassFacts::default() },
             unmasked: None,

@@ -15,10 +15,7 @@ fn a_thread_counts_for_the_pass_that_it_records_alone() {
     let [this, other] = [1, 2].map(vk::CommandBuffer::from_raw);
     let more = Counts::of(3, 1);
     assert_eq!(count(this, more), Counted::Elsewhere, "no pass");
-    OPEN.with(|open| {
-        open.handle.set(1);
-        open.noted.iter().for_each(|noted| noted.set(true));
-    });
+    OPEN.with(|open| open.handle.set(1));
     assert_eq!([count(this, more), count(this, Counts::INDIRECT)], [Counted::Done; 2]);
     assert_eq!(count(other, more), Counted::Elsewhere);
     let counts = OPEN.with(|open| open.counts.replace(Counts::default()));
@@ -35,37 +32,29 @@ fn draws_of_untracked_commands_need_no_look_up() {
         open.handle.set(5);
         open.forget_bound(5, true);
     });
-    assert_eq!(count(tracked, more), Counted::StateNotNoted);
+    assert_eq!(count(tracked, more), Counted::ReadsNotNoted);
     untracked_begins(untracked);
     assert_eq!([count(untracked, more), count(tracked, more)], [Counted::Done, Counted::Elsewhere]);
 }
 
 #[test]
-fn state_is_noted_once_per_kind_of_draw() {
+fn bound_sets_are_noted_once_per_kind_of_draw() {
     let this = vk::CommandBuffer::from_raw(3);
     let [quad, mesh] = [Counts::of(3, 1), Counts::of(30, 1)];
-    let both = || [quad, mesh].map(|more| count(this, more));
     OPEN.with(|open| {
-        let note = |kind: usize| open.noted[kind].set(true);
         open.handle.set(3);
         open.forget_bound(3, false);
-        assert_eq!(both(), [Counted::StateNotNoted; 2], "the region");
-        note(0);
-        assert_eq!(both(), [Counted::Done, Counted::StateNotNoted]);
-        note(1);
-        open.is_bound_anew();
-        assert_eq!(both(), [Counted::Done; 2], "sets that read nothing");
+        assert_eq!(count(this, quad), Counted::Done, "nothing is bound");
         open.sets[2].set(77);
         open.is_bound_anew();
-        assert_eq!(both(), [Counted::StateNotNoted; 2]);
-        note(0);
-        assert_eq!(both(), [Counted::Done, Counted::StateNotNoted]);
+        assert_eq!([count(this, quad), count(this, mesh)], [Counted::ReadsNotNoted; 2]);
+        open.noted[0].set(true);
+        assert_eq!([count(this, quad), count(this, mesh)], [Counted::Done, Counted::ReadsNotNoted]);
         // The next pass goes on with it.
         open.draws_in(3);
-        assert_eq!(count(this, quad), Counted::StateNotNoted);
+        assert_eq!(count(this, quad), Counted::ReadsNotNoted);
         open.draws_in(4);
         assert!(open.is_unknown.get(), "of another command buffer nobody saw what is bound");
-        assert_eq!(open.region.get(), Region::Everything);
     });
 }
 
@@ -75,27 +64,10 @@ fn counts_that_are_lost_are_not_told() {
     reads[1].push(ImageKey(5));
     let mut tally = Tally { counts: Counts::of(3, 1), ..Tally::default() };
     tally.execute(&Tally { counts: Counts::of(30, 1), reads, ..Tally::default() });
-    let draws = tally.finish().0.unwrap();
+    let draws = tally.finish().unwrap();
     assert_eq!((draws.quads, draws.meshes, draws.vertices), (1, 1, 33));
     assert_eq!(draws.read_by_meshes.images.as_slice(), [ImageKey(5)]);
-    assert_eq!(tally.finish(), (Some(Draws::default()), Region::Nothing), "of the next pass");
+    assert_eq!(tally.finish(), Some(Draws::default()), "of the next pass");
     tally.execute(&Tally { is_lost: true, ..Tally::default() });
-    assert_eq!(tally.finish(), (None, Region::Everything));
-}
-
-#[test]
-fn regions_of_meshes_come_before_those_of_quads() {
-    let whole = Region::Rect([0.0, 0.0, 100.0, 100.0]);
-    let part = Region::Rect([0.0, 0.0, 80.0, 80.0]);
-    let quad = Tally { counts: Counts::of(3, 1), regions: [whole, Region::Nothing], ..Tally::default() };
-    let mesh = Tally { counts: Counts::of(30, 1), regions: [Region::Nothing, part], ..Tally::default() };
-    let region = |all: &[&Tally]| {
-        let mut tally = Tally::default();
-        all.iter().for_each(|one| tally.execute(one));
-        tally.finish().1
-    };
-    assert_eq!(region(&[&quad]), whole);
-    assert_eq!(region(&[&quad, &mesh]), part);
-    assert_eq!(region(&[&mesh, &Tally { regions: [part, whole], ..mesh.clone() }]), whole);
-    assert_eq!(region(&[&mesh, &Tally { is_lost: true, ..quad.clone() }]), Region::Everything);
+    assert_eq!(tally.finish(), None);
 }
