@@ -78,7 +78,7 @@ Usage: cargo dev TASK, in any folder of the repository
                         run the benchmark `frame` on the working tree and on commit REV, in turns: ratios with their spread
   monado [PART]         run hello_xr, our test scene and every rendering style on Monado, with and without the layer, on a Debian trixie
                         system in target/monado/, and hello_xr with OSC packets of an eye tracker (PART gaze: alone); needs root and
-                        debootstrap
+                        debootstrap, which it installs on Debian and Ubuntu
   dist                  write a release build to target/dist/, as an archive with an installer and as a Debian package
   report [--quick | --all] [--json]
                         measure speed against error, compared with the alternatives of users: a web page, tables and plots in

@@ -154,7 +154,15 @@ fn cases() -> Result<Vec<Vec<String>>, String> {
 /// The folder of the system, made and filled; none where that cannot be.
 fn prepared(steps: &mut Steps) -> Result<Option<PathBuf>, String> {
     let is_root = Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0");
-    if !is_root || Command::new("debootstrap").arg("--version").output().is_err() {
+    let is_installed = |program: &str| Command::new(program).arg("--version").output().is_ok();
+    if is_root && !is_installed("debootstrap") && is_installed("apt-get") {
+        for arguments in [&["update"][..], &["install", "--yes", "debootstrap"]] {
+            let mut command = Command::new("apt-get");
+            command.env("DEBIAN_FRONTEND", "noninteractive").arg("--quiet").args(arguments);
+            steps.run(&format!("apt-get {}", arguments.join(" ")), &mut command)?;
+        }
+    }
+    if !is_root || !is_installed("debootstrap") {
         println!("skipped: needs root and debootstrap");
         return Ok(None);
     }
