@@ -27,9 +27,6 @@ pub struct Finished {
 pub fn run(case: &Case, config: Option<&str>) -> Finished {
     let mut arguments = vec![case.name];
     arguments.extend(case.arguments);
-    if config == Some(super::ANALYZED) {
-        arguments.extend(["--pause-ms", "400"]);
-    }
     let application = Application::ours("parafovea-cases", &arguments).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let scenario = scenario(case, folder.path().to_str().unwrap());

@@ -9,7 +9,6 @@ use openxr_sys as xr;
 use parafovea_zoo::cases::report::Report;
 use std::cell::{RefCell, RefMut};
 use std::ffi::CStr;
-use std::time::Duration;
 
 /// The application, from its start to its end.
 pub struct App {
@@ -18,8 +17,6 @@ pub struct App {
     pub xr: Xr,
     /// Recommended size of each view's image: width, height.
     pub view_sizes: [[u32; 2]; 2],
-    /// Pause before the fourth frame of a loop.
-    pub pause: Duration,
     report: RefCell<Report>,
 }
 
@@ -32,7 +29,6 @@ impl App {
             view_sizes: xr.view_sizes()?,
             vulkan,
             xr,
-            pause: Duration::from_millis(options.pause_ms),
             report: RefCell::default(),
         })
     }

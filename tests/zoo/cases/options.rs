@@ -46,9 +46,6 @@ pub struct Options {
     /// Application name for OpenXR
     #[arg(long, default_value = "parafovea-cases")]
     pub name: CString,
-    /// Pause before the fourth frame of a loop, in milliseconds: time in which a layer compiles its pipelines
-    #[arg(long, value_name = "MS", default_value_t = 0)]
-    pub pause_ms: u64,
     /// Engine name for Vulkan
     #[arg(long, default_value = "none")]
     pub engine: CString,

@@ -78,9 +78,6 @@ impl<'a> Session<'a> {
     ) -> Result<(), Failure> {
         for index in 0..count {
             self.poll()?;
-            if index == 3 {
-                std::thread::sleep(self.app.pause);
-            }
             body(&self.next_frame(index)?)?;
         }
         Ok(())
