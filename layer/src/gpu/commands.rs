@@ -330,14 +330,15 @@ pub(crate) unsafe fn wait_device(device: &ash::Device) -> bool {
 /// # Safety
 /// The fence is a live one of the device.
 pub(crate) unsafe fn wait_fence(device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
+    let start = Instant::now();
     // SAFETY: the fence is live, as `# Safety` demands.
     match unsafe { device.wait_for_fences(&[fence], true, FENCE_TIMEOUT.as_nanos() as u64) } {
         Ok(()) => Ok(()),
-        Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout),
+        Err(vk::Result::TIMEOUT) if start.elapsed() >= FENCE_TIMEOUT => Err(GpuError::Timeout),
         Err(result @ vk::Result::ERROR_DEVICE_LOST) => {
             Err(GpuError::Call { call: "vkWaitForFences", result })
         }
-        // Short of memory for waiting, which looking does without.
+        // A wait that ended early, or short of memory for waiting, which looking does without.
         // SAFETY: as above.
         Err(_) => unsafe { watch_fence(device, fence) },
     }

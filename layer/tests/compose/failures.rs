@@ -128,13 +128,50 @@ unsafe extern "system" fn status_late(device: vk::Device, fence: vk::Fence) -> v
 /// # Safety
 ///
 /// The valid usage of vkGetFenceStatus.
-unsafe fn next_status(device: vk::Device, fence: vk::Fence) -> vk::Result {
+unsafe extern "system" fn next_status(device: vk::Device, fence: vk::Fence) -> vk::Result {
     // SAFETY: the device has that function, of this type, and the arguments are the caller's.
     unsafe {
         let next = NEXT.get().unwrap()(device, c"vkGetFenceStatus".as_ptr()).unwrap();
         let next: vk::PFN_vkGetFenceStatus = std::mem::transmute(next);
         next(device, fence)
     }
+}
+
+/// A driver whose waits end before their time: the layer goes on by asking, so that images are not destroyed in use.
+#[test]
+fn a_wait_that_ends_early_goes_on() {
+    let vulkan = Vulkan::with(|mut record| {
+        NEXT.get_or_init(|| record.next_get_device_proc_addr);
+        record.next_get_device_proc_addr = with_early_waits;
+        record
+    });
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    let format = vk::Format::R8G8B8A8_SRGB;
+    let swapchain = Swapchain::new(&vulkan, &shape(format, 1024, 1024, 1));
+    let regions = [region(0, [0, 0, 1024, 1024], Vec3::NEG_Z, format, &ChromaSettings::default())];
+    let results: Vec<_> = (0..8).map(|_| compose.submit(&[swapchain.job(0, &regions)])).collect();
+    assert_eq!(results, [Ok(()); 8]);
+    // Right after its last submit.
+    drop((compose, swapchain));
+    vulkan.assert_valid();
+}
+
+unsafe extern "system" fn with_early_waits(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the arguments are the caller's.
+    unsafe { with_fences(device, name, early_wait, next_status) }
+}
+
+unsafe extern "system" fn early_wait(
+    _: vk::Device,
+    _: u32,
+    _: *const vk::Fence,
+    _: vk::Bool32,
+    _: u64,
+) -> vk::Result {
+    vk::Result::TIMEOUT
 }
 
 /// Number of calls about fences of [`a_device_that_keeps_up_is_asked_about_a_third_of_the_submits`].
