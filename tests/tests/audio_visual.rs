@@ -135,7 +135,7 @@ fn contrasts(picture: &Picture) -> Vec<f64> {
     (0..TILES[0] * TILES[1]).map(of_tile).collect()
 }
 
-/// In silence nothing is analysed, and where nothing moves nothing is decided: as with fixed rates, the layer submits nothing.
+/// Without sound and movement the layer submits nothing, as with fixed rates: no analysis, and no decision.
 #[test]
 fn in_silence_nothing_is_recomputed() {
     const MORE: u64 = 20;

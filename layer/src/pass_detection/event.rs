@@ -61,7 +61,7 @@ pub struct Pass {
     pub depth: Option<Target>,
     /// The render area: x, y, width, height in pixels.
     pub area: [u32; 4],
-    /// The part of it that its draws reach by their viewports; all of it where that is not known.
+    /// The part of the render area within the viewports of its draws; the render area if these are unknown.
     pub region: [u32; 4],
     /// Multiview's mask; 0 without.
     pub view_mask: u32,

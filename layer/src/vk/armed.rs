@@ -44,7 +44,7 @@ pub struct Armed {
     pub offered_rates: DeviceRates,
     /// The application's objects.
     pub objects: Objects,
-    /// The layouts of virtual swapchains' images.
+    /// The layouts of swapchain images that the layer reads.
     pub layouts: Layouts,
     /// Targets of passes that may be the scene.
     pub candidates: Candidates,

@@ -132,7 +132,7 @@ impl PreSubmitRing {
         done
     }
 
-    /// All slots but those that other threads have taken out, and the number of these threads.
+    /// The slots of the ring, and the number of other threads with slots taken out.
     fn take_out(&self) -> (Vec<Slot>, u32) {
         let mut slots = self.lock();
         let others = self.takers.fetch_add(1, Ordering::Relaxed);

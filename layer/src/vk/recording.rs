@@ -66,7 +66,7 @@ pub struct Recorded {
     pub events: Vec<Event>,
     /// Targets of its passes that may be the scene.
     pub candidates: SmallVec<[Arc<Candidate>; 8]>,
-    /// Images of virtual swapchains with the layouts that commands left them in, in the order of those.
+    /// Swapchain images that the layer reads, with the layouts that commands left them in, in the order of those.
     pub layouts: SmallVec<[(vk::Image, vk::ImageLayout); 4]>,
     /// Timestamps around its work.
     pub timer: Timer,

@@ -44,13 +44,13 @@ pub fn unchanged(case: &Case, reference: &Finished, run: &Finished) {
 }
 
 /// With pictures analysed in the runtime's images.
-pub fn analyzed(case: &Case, reference: &Finished, run: &Finished) {
-    processed_as_they_are(case, reference, run);
+pub fn analyzed_in_place(case: &Case, reference: &Finished, run: &Finished) {
+    analyzed(case, reference, run);
     assert!(!run.outcome.log.contains("is virtual"), "{}", run.outcome.log);
 }
 
 /// With pictures analysed: the same observations and pictures.
-pub fn processed_as_they_are(case: &Case, reference: &Finished, run: &Finished) {
+pub fn analyzed(case: &Case, reference: &Finished, run: &Finished) {
     same_observations(reference, run);
     same_submissions(reference, run);
     for (key, expected) in &reference.pictures {

@@ -1,4 +1,4 @@
-//! Barriers and passes that leave images of virtual swapchains in another layout.
+//! Barriers and passes that leave swapchain images in another layout.
 
 use super::pending::{barriers, barriers2};
 use super::{Buffer, timed, with_buffer};

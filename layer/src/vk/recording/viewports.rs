@@ -190,7 +190,7 @@ mod tests {
         viewports.pass_begins();
         viewports.execute(&secondary, MESH);
         assert_eq!(viewports.clone().finish(MESH), Region::of(&[part]));
-        assert_eq!(viewports.finish(sum(&[MESH, MESH])), Region::Everything, "what it leaves is not known");
+        assert_eq!(viewports.finish(sum(&[MESH, MESH])), Region::Everything, "unknown after a secondary");
         let mut unknown = Viewports::default();
         assert_eq!(unknown.finish(MESH), Region::Everything, "nothing was set");
     }

@@ -1,5 +1,5 @@
 //! Direct3D titles by DXVK and vkd3d-proton, and OpenVR titles by xrizer and OpenComposite: the swapchain is written by copies, and
-//! the descriptors of vkd3d-proton are unknown, and mostly those of DXVK.
+//! all descriptors of vkd3d-proton and most of DXVK are unknown.
 
 use crate::frame_graphs::Arrangement;
 use crate::frame_graphs::frame::{BYTES, DEPTH, Frame, HDR, Image, LDR, NORMALS, eye_of, rect_of};

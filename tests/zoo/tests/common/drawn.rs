@@ -34,7 +34,7 @@ pub fn compare(style: &Style, eye: usize, on: &Picture, off: &[Picture]) {
         // Auto-exposure spreads the effect of coarse shading over the image: only the mean brightness counts there.
         let is_alike = of_one_size && style.global.is_none();
         let by = if is_alike { difference(on, &off[0]) } else { (mean(on) - mean(&off[0])).abs() };
-        // Frames of other sizes of the scene differ from each other, and so do those that are made of them.
+        // With dynamic resolution each frame differs from the next, and a picture of several frames from all of them.
         let own = off.iter().map(|other| difference(other, &off[0])).fold(0.0, f64::max);
         let limit = if is_alike { READ_LIMIT.max(own) } else { READ_LIMIT };
         println!("eye {eye}: {by:.2} code values off");
