@@ -154,12 +154,12 @@ macro_rules! armed_functions {
             cmd_execute_generated_commands_nv: PFN_vkCmdExecuteGeneratedCommandsNV = c"vkCmdExecuteGeneratedCommandsNV"
                 => generated::execute_nv;
 
-            cmd_set_viewport: PFN_vkCmdSetViewport = c"vkCmdSetViewport" => drawing::set_viewport;
-            cmd_set_scissor: PFN_vkCmdSetScissor = c"vkCmdSetScissor" => drawing::set_scissor;
+            cmd_set_viewport: PFN_vkCmdSetViewport = c"vkCmdSetViewport" => rects::set_viewport;
+            cmd_set_scissor: PFN_vkCmdSetScissor = c"vkCmdSetScissor" => rects::set_scissor;
             cmd_set_viewport_with_count: PFN_vkCmdSetViewportWithCount = c"vkCmdSetViewportWithCount"
-                since API_VERSION_1_3, before c"vkCmdSetViewportWithCountEXT" => drawing::set_viewport_with_count;
+                since API_VERSION_1_3, before c"vkCmdSetViewportWithCountEXT" => rects::set_viewport_with_count;
             cmd_set_scissor_with_count: PFN_vkCmdSetScissorWithCount = c"vkCmdSetScissorWithCount"
-                since API_VERSION_1_3, before c"vkCmdSetScissorWithCountEXT" => drawing::set_scissor_with_count;
+                since API_VERSION_1_3, before c"vkCmdSetScissorWithCountEXT" => rects::set_scissor_with_count;
 
             cmd_bind_descriptor_sets: PFN_vkCmdBindDescriptorSets = c"vkCmdBindDescriptorSets" => compute::bind_sets;
             cmd_push_descriptor_set: PFN_vkCmdPushDescriptorSetKHR = c"vkCmdPushDescriptorSet"

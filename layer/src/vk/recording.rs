@@ -16,6 +16,7 @@ pub mod image_layouts;
 pub mod passes;
 pub mod pending;
 pub mod queries;
+pub mod rects;
 pub mod rendering;
 mod sets;
 pub mod stencil;

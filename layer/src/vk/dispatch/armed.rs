@@ -7,8 +7,8 @@ use crate::vk::hooks::{
 };
 use crate::vk::newer as types;
 use crate::vk::recording::{
-    binding, buffers, compute, descriptor_buffers, dispatches, drawing, draws, generated, heaps,
-    image_layouts, passes, pending, queries, rendering, stencil, transfers,
+    binding, buffers, compute, descriptor_buffers, dispatches, draws, generated, heaps, image_layouts,
+    passes, pending, queries, rects, rendering, stencil, transfers,
 };
 use crate::vk::submit;
 use ash::vk;

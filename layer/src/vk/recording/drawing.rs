@@ -5,13 +5,12 @@
 //! another layout, so the application's sets are bound again before another layout counts, and after the pass. Both pipelines have the same
 //! state, dynamic or not, and the same push constants.
 
+use super::Buffer;
+use super::rects::Rects;
 use super::sets::BoundSets;
-use super::{Buffer, draws, with_buffer};
-use crate::abi::copies::slice;
 use crate::backend::mask::EarlyReturnPipeline;
 use crate::vk::functions::ArmedTable;
 use ash::vk;
-use smallvec::SmallVec;
 use std::sync::Arc;
 
 const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
@@ -25,18 +24,9 @@ pub struct Drawing {
     pipeline: vk::Pipeline,
     sets: BoundSets,
     /// Its viewports and scissors, from number 0 on, as far as they were set.
-    viewports: Kept<vk::Viewport>,
-    scissors: Kept<vk::Rect2D>,
+    pub rects: Rects,
     /// The substitute of the pipeline.
     in_place: Option<InPlace>,
-}
-
-/// Viewports or scissors.
-#[derive(Clone)]
-struct Kept<T> {
-    values: SmallVec<[Option<T>; 2]>,
-    /// Whether their number was set with them.
-    has_count: bool,
 }
 
 #[derive(Clone)]
@@ -55,8 +45,7 @@ impl Drawing {
     pub fn forget(&mut self) {
         self.pipeline = vk::Pipeline::null();
         self.sets.clear();
-        self.viewports.clear();
-        self.scissors.clear();
+        self.rects.clear();
         self.in_place = None;
     }
 
@@ -95,19 +84,13 @@ impl Drawing {
 pub struct Bound {
     pipeline: vk::Pipeline,
     sets: BoundSets,
-    viewports: Kept<vk::Viewport>,
-    scissors: Kept<vk::Rect2D>,
+    rects: Rects,
 }
 
 impl Drawing {
     /// The state that may have to be bound again after a pipeline of ours, which draws with one viewport and one scissor.
     pub fn bound(&self) -> Bound {
-        Bound {
-            pipeline: self.pipeline,
-            sets: self.sets.clone(),
-            viewports: self.viewports.clone(),
-            scissors: self.scissors.clone(),
-        }
+        Bound { pipeline: self.pipeline, sets: self.sets.clone(), rects: self.rects.clone() }
     }
 }
 
@@ -120,7 +103,7 @@ impl Bound {
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         // SAFETY: the command buffer is recording, as `# Safety` demands; the bound objects stay valid as long as it does.
         unsafe {
-            self.restore_rects(next, commands);
+            self.rects.restore(next, commands);
             if let Some(bind) = next.cmd_bind_pipeline
                 && self.pipeline != vk::Pipeline::null()
             {
@@ -129,174 +112,6 @@ impl Bound {
             self.sets.restore(next, commands, GRAPHICS);
         }
     }
-
-    /// # Safety
-    ///
-    /// As for [`Self::restore`].
-    unsafe fn restore_rects(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
-        // SAFETY: the command buffer is recording, as `# Safety` demands.
-        unsafe {
-            if let (Some(all), Some(set)) = (self.viewports.all(), next.cmd_set_viewport_with_count) {
-                set(commands, all.len() as u32, all.as_ptr());
-            } else if let (Some(viewport), Some(set)) = (self.viewports.first(), next.cmd_set_viewport) {
-                set(commands, 0, 1, &viewport);
-            }
-            if let (Some(all), Some(set)) = (self.scissors.all(), next.cmd_set_scissor_with_count) {
-                set(commands, all.len() as u32, all.as_ptr());
-            } else if let (Some(scissor), Some(set)) = (self.scissors.first(), next.cmd_set_scissor) {
-                set(commands, 0, 1, &scissor);
-            }
-        }
-    }
-}
-
-impl<T> Default for Kept<T> {
-    fn default() -> Self {
-        Self { values: SmallVec::new(), has_count: false }
-    }
-}
-
-impl<T: Copy> Kept<T> {
-    fn clear(&mut self) {
-        self.values.clear();
-        self.has_count = false;
-    }
-
-    /// Keeps values from number `first` on.
-    fn keep(&mut self, first: u32, values: &[T]) {
-        self.has_count = false;
-        for (index, value) in (first as usize..).zip(values) {
-            if self.values.len() <= index {
-                self.values.resize(index + 1, None);
-            }
-            self.values[index] = Some(*value);
-        }
-    }
-
-    /// Keeps these values and no others.
-    fn keep_all(&mut self, values: &[T]) {
-        self.values.clear();
-        self.keep(0, values);
-        self.has_count = true;
-    }
-
-    fn first(&self) -> Option<T> {
-        self.values.first().copied().flatten()
-    }
-
-    /// All values, if their number was set with them.
-    fn all(&self) -> Option<SmallVec<[T; 2]>> {
-        if self.has_count { self.values.iter().copied().collect() } else { None }
-    }
-}
-
-/// `vkCmdSetViewport`.
-///
-/// # Safety
-///
-/// The valid usage of the call.
-pub unsafe extern "system" fn set_viewport(
-    handle: vk::CommandBuffer,
-    first: u32,
-    count: u32,
-    viewports: *const vk::Viewport,
-) {
-    hook!(
-        "vkCmdSetViewport",
-        with_buffer,
-        cmd_set_viewport(handle, first, count, viewports),
-        |known, next| {
-            next();
-            if let Some(known) = known.filter(|_| count > 0) {
-                // SAFETY: valid usage demands so many viewports.
-                let viewports = unsafe { slice(viewports, count) };
-                let counts = draws::counts(&known, handle);
-                let mut recorded = known.recorded();
-                recorded.viewports.set(first, viewports, counts);
-                if recorded.drawing.is_followed {
-                    recorded.drawing.viewports.keep(first, viewports);
-                }
-            }
-        }
-    );
-}
-
-/// `vkCmdSetViewportWithCount`.
-///
-/// # Safety
-///
-/// The valid usage of the call.
-pub unsafe extern "system" fn set_viewport_with_count(
-    handle: vk::CommandBuffer,
-    count: u32,
-    viewports: *const vk::Viewport,
-) {
-    hook!(
-        "vkCmdSetViewportWithCount",
-        with_buffer,
-        cmd_set_viewport_with_count(handle, count, viewports),
-        |known, next| {
-            next();
-            if let Some(known) = known {
-                // SAFETY: valid usage demands so many viewports.
-                let viewports = unsafe { slice(viewports, count) };
-                let counts = draws::counts(&known, handle);
-                let mut recorded = known.recorded();
-                recorded.viewports.set(0, viewports, counts);
-                if recorded.drawing.is_followed {
-                    recorded.drawing.viewports.keep_all(viewports);
-                }
-            }
-        }
-    );
-}
-
-/// `vkCmdSetScissorWithCount`.
-///
-/// # Safety
-///
-/// The valid usage of the call.
-pub unsafe extern "system" fn set_scissor_with_count(
-    handle: vk::CommandBuffer,
-    count: u32,
-    scissors: *const vk::Rect2D,
-) {
-    hook!(
-        "vkCmdSetScissorWithCount",
-        with_buffer,
-        cmd_set_scissor_with_count(handle, count, scissors),
-        |known, next| {
-            next();
-            let recorded = known.as_ref().map(|known| known.recorded());
-            if let Some(mut recorded) = recorded.filter(|recorded| recorded.drawing.is_followed) {
-                // SAFETY: valid usage demands so many scissors.
-                recorded.drawing.scissors.keep_all(unsafe { slice(scissors, count) });
-            }
-        }
-    );
-}
-
-/// `vkCmdSetScissor`.
-///
-/// # Safety
-///
-/// The valid usage of the call.
-pub unsafe extern "system" fn set_scissor(
-    handle: vk::CommandBuffer,
-    first: u32,
-    count: u32,
-    scissors: *const vk::Rect2D,
-) {
-    hook!("vkCmdSetScissor", with_buffer, cmd_set_scissor(handle, first, count, scissors), |known, next| {
-        next();
-        if let Some(known) = known.filter(|_| count > 0) {
-            let drawing = &mut known.recorded().drawing;
-            if drawing.is_followed {
-                // SAFETY: valid usage demands so many scissors.
-                drawing.scissors.keep(first, unsafe { slice(scissors, count) });
-            }
-        }
-    });
 }
 
 /// The application binds a pipeline: `bind` binds it, or its substitute.
@@ -487,18 +302,6 @@ mod tests {
         assert_eq!(of(layout(1), layout(1)), (!own, !restored), "ours stays where it is");
         assert_eq!(of(layout(1), layout(2)), (!own, restored));
         assert_eq!(of(layout(1), None), (own, restored));
-    }
-
-    #[test]
-    fn viewports_are_kept_by_their_numbers() {
-        let mut kept = Kept::default();
-        kept.keep(1, &[10, 11]);
-        assert_eq!((kept.values.as_slice(), kept.first()), (&[None, Some(10), Some(11)][..], None));
-        kept.keep(0, &[20, 21]);
-        assert_eq!((kept.values.as_slice(), kept.first()), (&[Some(20), Some(21), Some(11)][..], Some(20)));
-        assert_eq!(kept.all(), None, "their number comes from the pipeline");
-        kept.keep_all(&[30, 31]);
-        assert_eq!(kept.all().as_deref(), Some(&[30, 31][..]));
     }
 
     #[test]

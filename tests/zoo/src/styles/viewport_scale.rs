@@ -2,10 +2,9 @@
 //! Unreal Engine and Source 2, where the render area stays the whole target.
 
 use super::dynamic_resolution::part;
+use super::upscaled::Scaled;
 use crate::app::{App, EYES, Recorder};
-use crate::gpu::{Depth, ImageSpec, Kind, PassSpec, PipelineSpec};
-use crate::scene::{Draw, FORWARD};
-use crate::shader;
+use crate::scene::Draw;
 use crate::style::Style;
 use crate::truth::{Eyes, PassTruth};
 use crate::xr::COLOR;
@@ -32,15 +31,7 @@ pub const STYLE: Style = Style {
 
 fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let gpu = app.gpu;
-    let color = gpu.image(&ImageSpec::new(COLOR, app.size))?;
-    let depth = gpu.image(&ImageSpec::depth(app.size))?;
-    let scene = PassSpec::new(color.overwritten().sampled(), depth.depth_cleared(1.0));
-    let scene = gpu.pass(Kind::RenderPass, scene)?;
-    let eyes = app.eye_passes(Kind::RenderPass, |color| PassSpec::color(color.overwritten()))?;
-    let pipelines = app.scene.pipelines(gpu, &scene.target, &FORWARD)?;
-    let scale = PipelineSpec::new(shader!("post", "screen_vs"), shader!("post", "scale_fs"), Depth::NONE);
-    let scale = gpu.pipeline(&scale, app.scene.layout, &eyes[0][0].target)?;
-    let set = app.scene.textured(gpu, &[color])?;
+    let Scaled { scene, pipelines, eyes, scale, set } = Scaled::new(app, app.size)?;
     Ok(Box::new(move |frame| {
         let drawn = part(app.size, frame.index);
         // The triangle reads the whole target: as much of it is outside of the eye buffer as was not drawn.
