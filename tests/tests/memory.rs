@@ -72,25 +72,25 @@ fn re_use_keeps_no_pictures_where_memory_is_short() {
 
 /// The most device memory of the layer, bytes, in a run with rates of that mode, which are turned off and on so many times.
 fn memory_of_rates(mode: &str, switches: u64) -> u64 {
-    const FRAMES: u64 = 330;
     /// The configuration is read twice a second.
     const BETWEEN: u64 = 60;
+    let frames = (2 * switches + 1) * BETWEEN + BETWEEN / 2;
     let config = |mode| {
         format!(
             "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"{mode}\"\nsilence = \"contrast\"\ngate = \"on\"\n"
         )
     };
-    let arguments = ["--style", "render-pass", "--size", "512", "--frames", &FRAMES.to_string()];
+    let arguments = ["--style", "render-pass", "--size", "512", "--frames", &frames.to_string()];
     let application = Application::ours("parafovea-zoo", &arguments).unwrap();
     let edits: Vec<u64> = (1..=2 * switches).map(|edit| edit * BETWEEN).collect();
-    let scenario = Scenario::new(FRAMES).sized(512, 512).in_real_time().saving(&edits);
+    let scenario = Scenario::new(frames).sized(512, 512).in_real_time().saving(&edits);
     let run = Run::new(&application, &scenario).shading_rates(ShadingRateProfile::NvkTuring).live_counted();
     let running = run.on(&config(mode)).start().unwrap();
     for (&frame, mode) in edits.iter().zip(["off", mode].into_iter().cycle()) {
         wait_until(|| running.has_submitted(1, frame));
         std::fs::write(running.config_file(), config(mode)).unwrap();
     }
-    let outcome = running.finish().unwrap().expect_frames(FRAMES).unwrap();
+    let outcome = running.finish().unwrap().expect_frames(frames).unwrap();
     assert_eq!(outcome.log.matches("configuration changed").count() as u64, 2 * switches, "{}", outcome.log);
     outcome.live_objects().unwrap().iter().map(|live| live.own.most_memory).max().unwrap()
 }
