@@ -74,6 +74,24 @@ fn halves_loaded_from_two_copies_of_the_library_meet() {
     assert_attenuated(&run(|run| run.on(CHROMA).from_copies()));
 }
 
+/// OpenXR's loader loads a layer for each manifest that it finds, and two entries of one library would call each other for ever.
+#[test]
+fn two_installations_are_one_layer() {
+    let folder = tempfile::tempdir().unwrap();
+    let copy = folder.path().join("libparafovea.so");
+    std::fs::copy(Library::Parafovea.path().unwrap(), &copy).unwrap();
+    let manifest = Half::OpenXr.manifest_path(folder.path());
+    std::fs::create_dir_all(manifest.parent().unwrap()).unwrap();
+    let folders = format!("{}:/usr/local/share:/usr/share", folder.path().display());
+    for library in [Library::Parafovea.path().unwrap(), copy] {
+        let text = Half::OpenXr.manifest(library.to_str().unwrap(), Activation::Implicit);
+        std::fs::write(&manifest, text).unwrap();
+        let outcome = run(|run| run.on(CHROMA).env("XDG_DATA_DIRS", &folders));
+        assert_attenuated(&outcome);
+        assert!(outcome.log.contains("lists this layer more than once"), "{}", outcome.log);
+    }
+}
+
 #[test]
 fn the_openxr_half_named_explicitly_switches_the_vulkan_half_on() {
     let folder = tempfile::tempdir().unwrap();

@@ -112,6 +112,46 @@ fn a_caller_that_is_no_loader_is_refused() {
     }
 }
 
+/// # Safety
+///
+/// As the call.
+unsafe extern "system" fn create_between(
+    _: *const xr::InstanceCreateInfo,
+    _: *const xr::ApiLayerCreateInfo,
+    _: *mut xr::Instance,
+) -> xr::Result {
+    xr::Result::ERROR_RUNTIME_FAILURE
+}
+
+#[test]
+fn the_last_entry_of_a_layer_that_is_listed_again_counts() {
+    let name = super::LAYER_NAME.to_bytes().iter().map(|&byte| byte as c_char);
+    let (mut last, mut list) = fake::layer_list();
+    last.layer_name.iter_mut().zip(name).for_each(|(to, from)| *to = from);
+    let mut between = Box::new(xr::ApiLayerNextInfo {
+        next_get_instance_proc_addr: Some(proc_addr::get),
+        next_create_api_layer_instance: Some(instance::create),
+        next: &raw mut *last,
+        ..*last
+    });
+    between.layer_name = [0; xr::MAX_API_LAYER_NAME_SIZE];
+    let mut first = Box::new(xr::ApiLayerNextInfo {
+        next_create_api_layer_instance: Some(create_between),
+        next: &raw mut *between,
+        ..*last
+    });
+    list.next_info = &raw mut *first;
+
+    // SAFETY: the structure is plain data, for which all zero is a valid value.
+    let mut info: xr::InstanceCreateInfo = unsafe { std::mem::zeroed() };
+    info.ty = xr::InstanceCreateInfo::TYPE;
+    let mut handle = xr::Instance::NULL;
+    // SAFETY: valid structures, and a place for the handle.
+    assert_eq!(unsafe { instance::create(&info, &list, &mut handle) }, xr::Result::SUCCESS);
+    let pointer = function(handle, c"xrGetViewConfigurationProperties").unwrap() as *const c_void;
+    assert_eq!(pointer, fake::next_pointer());
+}
+
 #[test]
 fn only_hooked_functions_are_ours() {
     let handle = create_instance(&[]).unwrap();

@@ -67,10 +67,23 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
             layers,
         )),
         [_] => {}
+        several if several.iter().all(|manifest| real(&manifest.path) == real(&several[0].path)) => {
+            // The Vulkan loader takes a layer of the same name once.
+            if half == Half::OpenXr {
+                findings.push(
+                    Finding::warning(
+                        "listed-twice",
+                        format!("the {name} loader finds {} {} times", several[0].path.display(), several.len()),
+                        "It loads each layer of that folder as often, other layers too, and not all of them bear that.",
+                    )
+                    .advise("name each folder once in XDG_DATA_DIRS and XDG_CONFIG_DIRS, and leave out your XDG_DATA_HOME there"),
+                );
+            }
+        }
         several => {
             let paths: Vec<_> = several.iter().map(|manifest| manifest.path.display().to_string()).collect();
             let effect = match half {
-                Half::OpenXr => "The OpenXR loader loads all of them.",
+                Half::OpenXr => "The OpenXR loader loads all of them, and the layer works as the first.",
                 Half::Vulkan => "The Vulkan loader takes the first, which may belong to another version.",
             };
             findings.push(
@@ -134,8 +147,12 @@ pub fn installed_elsewhere(surroundings: &Surroundings, data: &Path) -> Vec<Path
     if is_flatpak { Vec::new() } else { elsewhere(&Layers::find(surroundings), data) }
 }
 
+/// The file itself, behind links.
+fn real(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
 fn elsewhere(layers: &Layers, data: &Path) -> Vec<PathBuf> {
-    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let mut paths = Vec::new();
     for half in Half::BOTH {
         let own = real(&half.manifest_path(data));
@@ -196,7 +213,6 @@ fn of_layer(surroundings: &Surroundings, half: Half, manifest: &Manifest, layer:
 fn one_library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> {
     let [openxr, vulkan] = Half::BOTH.map(|half| layers.library(surroundings, half));
     let (openxr, vulkan) = (openxr?, vulkan?);
-    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     if real(&openxr) == real(&vulkan) {
         return None;
     }

@@ -97,6 +97,15 @@ const FAULTS: &[Fault] = &[
         &["installed-twice", "installed-twice"],
         false,
     ),
+    (
+        "a folder that is searched twice",
+        |machine| {
+            let data = machine.path("home/.local/share");
+            machine.set("XDG_DATA_DIRS", &data.display().to_string());
+        },
+        &["listed-twice"],
+        false,
+    ),
     ("disabled by the environment", |machine| machine.set("DISABLE_PARAFOVEA", ""), &["disabled"], false),
     ("enabled by another value than 1", |machine| machine.set("PARAFOVEA", "yes"), &["half-enabled"], false),
     (
