@@ -17,6 +17,7 @@ mod armed;
 mod candidates;
 mod chain;
 mod device;
+mod device_slots;
 mod dispatch;
 mod dispatch_key;
 pub(crate) mod frame;

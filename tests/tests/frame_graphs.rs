@@ -29,7 +29,13 @@ fn eyes_of_engines_are_found_and_nothing_else() {
 const FILTERED: [&str; 2] = ["unreal-deferred", "unreal-deferred-dynamic"];
 
 /// Graphs with an unknown reader of the scene: compute, or descriptors that are not followed.
-const UNKNOWN: [&str; 12] = [
+const UNKNOWN: [&str; 18] = [
+    "native-hands-bindless",
+    "native-cockpit-bindless",
+    "native-interface-bindless",
+    "unity-effects-heaps",
+    "unreal-temporal-compute",
+    "unreal-temporal-copied",
     "dxvk-forward-heaps",
     "dxvk-deferred-heaps",
     "dxvk-pooled-heaps",

@@ -183,7 +183,7 @@ impl Masks {
     ///
     /// The device is live, and nothing of the application's is under way or recorded any more.
     pub unsafe fn end(&self, destroy_render_pass: Option<vk::PFN_vkDestroyRenderPass>, device: vk::Device) {
-        for pass in self.loading.remove_where(|_, _| true) {
+        for (_, pass) in self.loading.remove_where(|_, _| true) {
             if let Some(destroy) = destroy_render_pass {
                 // SAFETY: a render pass of ours on the live device, which no command buffer needs any more.
                 unsafe { destroy(device, pass, std::ptr::null()) };

@@ -94,7 +94,8 @@ const LEAST_SCALE: f32 = 0.5;
 
 /// The draws of a pass.
 ///
-/// The reads of a draw come from its descriptor sets. Images that are never attachments are left out: their content comes from no pass.
+/// The reads of a draw come from its descriptor sets: images that passes draw to, and those that compute may write as large as a picture.
+/// Others are left out, as hardly any of them holds a picture of the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Draws {
     /// Draws of one triangle or two, of one instance or one for each eye: at most [`Draws::QUAD_VERTICES`] vertices, known to the CPU.
@@ -103,9 +104,9 @@ pub struct Draws {
     pub meshes: u32,
     /// Vertices of all instances of all draws; saturates. Each draw that only the GPU knows counts [`Draws::INDIRECT_VERTICES`].
     pub vertices: u32,
-    /// Attachments that quads may read.
+    /// Images that quads may read.
     pub read_by_quads: Reads,
-    /// Attachments that other draws may read.
+    /// Images that other draws may read.
     pub read_by_meshes: Reads,
 }
 
@@ -162,6 +163,8 @@ impl Reads {
 pub struct PassFacts {
     /// Depth is cleared at the begin (`loadOp` CLEAR).
     pub clears_depth: bool,
+    /// The first colour attachment is loaded at the begin.
+    pub loads_color: bool,
     /// Depth is stored at the end, or stays as it is (`storeOp` NONE).
     pub stores_depth: bool,
     /// Depth or stencil is resolved at the end.

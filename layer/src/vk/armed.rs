@@ -234,7 +234,7 @@ impl Armed {
             // SAFETY: a function of the other half, which is never unloaded; the device is live.
             unsafe { callback(self.record.device) };
         }
-        for ring in self.rings.remove_where(|_, _| true) {
+        for (_, ring) in self.rings.remove_where(|_, _| true) {
             if let Some(functions) = self.functions() {
                 ring.destroy(functions);
             }

@@ -1,12 +1,14 @@
 //! Live devices.
 
 use super::armed::Armed;
+use super::device_slots::DeviceSlots;
 use super::dispatch_key::DispatchKey;
 use super::functions::{ArmedTable, DeviceTable};
 use crate::backend::attachment::RateAttachments;
 use crate::backend::mask::Masks;
 use crate::registry::Registry;
 use ash::vk;
+use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -72,6 +74,28 @@ impl Device {
 
 static DEVICES: Registry<DispatchKey, Device> = Registry::new();
 
+/// Devices of [`DEVICES`], found without a lock.
+static QUICK_DEVICES: DeviceSlots = DeviceSlots::new();
+
+/// A live device, for the time of a call that has it.
+pub enum KnownDevice<'a> {
+    /// Found without a lock; it does not end during the call (external synchronization of vkDestroyDevice).
+    Quick(&'a Device),
+    /// Any other.
+    Kept(Arc<Device>),
+}
+
+impl Deref for KnownDevice<'_> {
+    type Target = Device;
+
+    fn deref(&self) -> &Device {
+        match self {
+            Self::Quick(device) => device,
+            Self::Kept(device) => device,
+        }
+    }
+}
+
 /// The device that a device, queue or command buffer belongs to.
 ///
 /// # Safety
@@ -87,13 +111,19 @@ pub unsafe fn of<H: vk::Handle>(object: H) -> Option<Arc<Device>> {
 ///
 /// # Safety
 ///
-/// As for [`of`].
-pub unsafe fn with<H: vk::Handle, F>(
+/// As for [`of`]; and the object stays live as long as the result.
+pub unsafe fn with<'a, H: vk::Handle, F>(
     object: H,
     choose: impl FnOnce(&ArmedTable) -> Option<F>,
-) -> Option<(Arc<Device>, F)> {
-    // SAFETY: the handle is live, as `# Safety` demands.
-    let device = unsafe { of(object) }?;
+) -> Option<(KnownDevice<'a>, F)> {
+    // SAFETY: the object is null or live, as `# Safety` demands.
+    let key = unsafe { DispatchKey::of(object) }?;
+    let quick = QUICK_DEVICES.find(key).map(|device| device.cast_const().cast::<Device>());
+    // SAFETY: the pointer was added from an object that is kept as long as the device lives.
+    let device = match quick.and_then(|device| unsafe { device.as_ref() }) {
+        Some(device) => KnownDevice::Quick(device),
+        None => KnownDevice::Kept(DEVICES.get(key)?),
+    };
     let function = choose(&device.hooked)?;
     Some((device, function))
 }
@@ -105,10 +135,14 @@ pub fn get(key: DispatchKey) -> Option<Arc<Device>> {
 
 /// Begins to track a device.
 pub fn insert(key: DispatchKey, device: Arc<Device>) {
+    // Of one of the same key that was never destroyed.
+    QUICK_DEVICES.remove(key);
+    QUICK_DEVICES.add(key, Arc::as_ptr(&device).cast_mut().cast());
     DEVICES.insert(key, device);
 }
 
 /// Forgets a device.
 pub fn remove(key: DispatchKey) {
+    QUICK_DEVICES.remove(key);
     DEVICES.remove(key);
 }

@@ -13,6 +13,12 @@ impl DispatchKey {
         self.0
     }
 
+    /// The key with that address.
+    #[cfg(test)]
+    pub fn from_address(address: usize) -> Self {
+        Self(address)
+    }
+
     /// Reads an object's key; `None` for a null handle. Read it before the object is destroyed.
     ///
     /// # Safety

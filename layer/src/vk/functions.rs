@@ -70,6 +70,10 @@ macro_rules! armed_functions {
             destroy_descriptor_set_layout: PFN_vkDestroyDescriptorSetLayout = c"vkDestroyDescriptorSetLayout"
                 => layouts::destroy_set_layout;
             allocate_descriptor_sets: PFN_vkAllocateDescriptorSets = c"vkAllocateDescriptorSets" => descriptors::allocate;
+            free_descriptor_sets: PFN_vkFreeDescriptorSets = c"vkFreeDescriptorSets" => descriptors::free;
+            reset_descriptor_pool: PFN_vkResetDescriptorPool = c"vkResetDescriptorPool" => descriptors::reset_pool;
+            destroy_descriptor_pool: PFN_vkDestroyDescriptorPool = c"vkDestroyDescriptorPool"
+                => descriptors::destroy_pool;
             update_descriptor_sets: PFN_vkUpdateDescriptorSets = c"vkUpdateDescriptorSets" => descriptors::update;
             update_descriptor_set_with_template: PFN_vkUpdateDescriptorSetWithTemplate =
                 c"vkUpdateDescriptorSetWithTemplate"

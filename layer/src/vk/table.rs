@@ -24,6 +24,11 @@ impl<K: Eq + Hash + Copy, V: Clone> Table<K, V> {
         self.0.contains_key(&key)
     }
 
+    /// Whether an object is kept that `holds` is true for.
+    pub fn is(&self, key: K, holds: impl FnOnce(&V) -> bool) -> bool {
+        self.0.get(&key).is_some_and(|found| holds(found.value()))
+    }
+
     /// Changes the kept value of an object, if there is one.
     pub fn change(&self, key: K, change: impl FnOnce(&mut V)) {
         if let Some(mut found) = self.0.get_mut(&key) {
@@ -47,12 +52,12 @@ impl<K: Eq + Hash + Copy, V: Clone> Table<K, V> {
     }
 
     /// Forgets the objects that `belongs` holds for, and returns them, so that none is dropped under a lock.
-    pub fn remove_where(&self, belongs: impl Fn(&K, &V) -> bool) -> Vec<V> {
+    pub fn remove_where(&self, belongs: impl Fn(&K, &V) -> bool) -> Vec<(K, V)> {
         let mut removed = Vec::new();
         self.0.retain(|key, value| {
             let remove = belongs(key, value);
             if remove {
-                removed.push(value.clone());
+                removed.push((*key, value.clone()));
             }
             !remove
         });

@@ -231,7 +231,7 @@ impl Frame<'_> {
     /// Submits a pass.
     pub fn add(&mut self, step: Step) {
         let images = &self.world.images;
-        // As in the layer, which follows descriptors of colour targets that are not cubes.
+        // As in the layer, which follows descriptors of images that may hold a picture.
         let is_followed =
             |image: ImageKey| images.get(&image).is_some_and(|image| image.format != DEPTH && !image.is_cube);
         let step = if self.is_bindless { step.bindless() } else { step.reading(is_followed) };

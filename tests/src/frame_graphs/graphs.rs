@@ -91,6 +91,24 @@ pub const GRAPHS: &[Graph] = &[
     Graph::new("native-light-volumes-square", SQUARE, Separate, &[(native::light_volumes, ALL_SQUARE)]),
     Graph::new("native-visibility", SQUARE, Separate, &[(native::visibility, &[Evsm(2048), Planar(1024)])]),
     Graph::new("native-visor", TALL, Separate, &[(native::visor, &[Minimap(512), Shadow(4096)])]),
+    Graph::new(
+        "native-hands",
+        TALL,
+        Separate,
+        &[(native::hands_over_picture, &[Shadow(4096), Mirror(0.75)])],
+    ),
+    Graph::new("native-hands-bindless", TALL, Separate, &[(native::hands_over_picture, &[Shadow(4096)])])
+        .bindless(),
+    Graph::new("native-cockpit", TALL, Separate, &[(native::cockpit, MIRRORS)]),
+    Graph::new("native-cockpit-bindless", TALL, Separate, &[(native::cockpit, &[Shadow(4096)])]).bindless(),
+    Graph::new("native-interface", TALL, Separate, &[(native::interface_over_picture, MIRRORS)]),
+    Graph::new(
+        "native-interface-bindless",
+        TALL,
+        Separate,
+        &[(native::interface_over_picture, &[Shadow(4096)])],
+    )
+    .bindless(),
     Graph::new("urp-multi-pass", TALL, Separate, &[(unity::urp_multi_pass, MIRRORS)]),
     Graph::new("urp-multi-pass-square", SQUARE, Separate, &[(unity::urp_multi_pass, ALL_SQUARE)]),
     Graph::new("urp-multi-pass-dynamic", TALL, Array, &[(unity::urp_multi_pass, MIRRORS)]).dynamic(),
@@ -112,6 +130,9 @@ pub const GRAPHS: &[Graph] = &[
         Separate,
         &[(unity::built_in, &[Mirror(0.5), LateScope(1280)])],
     ),
+    Graph::new("unity-effects", TALL, Separate, &[(unity::effects_between, &[Mirror(0.75), Shadow(4096)])]),
+    Graph::new("unity-effects-heaps", TALL, Separate, &[(unity::effects_between, &[Shadow(4096)])])
+        .bindless(),
     Graph::new("unreal-forward", TALL, DoubleWide, &[(unreal::forward, &[Planar(1120), Probe(128)])]),
     Graph::new("unreal-forward-square", SQUARE, DoubleWide, &[(unreal::forward, ALL_SQUARE)]).dynamic(),
     Graph::new("unreal-mobile", TALL, Array, &[(unreal::mobile, MIRRORS)]),
@@ -127,6 +148,24 @@ pub const GRAPHS: &[Graph] = &[
         TALL,
         Separate,
         &[(unreal::deferred_compute, &[Shadow(4096), Scope(1024)])],
+    ),
+    Graph::new(
+        "unreal-translucency",
+        TALL,
+        DoubleWide,
+        &[(unreal::separate_translucency, &[Shadow(4096), Planar(1024)])],
+    ),
+    Graph::new(
+        "unreal-temporal-compute",
+        TALL,
+        DoubleWide,
+        &[(unreal::temporal_compute, &[Shadow(4096), Planar(1024), Screen(1024)])],
+    ),
+    Graph::new(
+        "unreal-temporal-copied",
+        TALL,
+        DoubleWide,
+        &[(unreal::temporal_copied, &[Shadow(4096), Planar(1024), Screen(1024)])],
     ),
     Graph::new(
         "unreal-5-vkd3d",

@@ -67,6 +67,12 @@ impl Step {
         self
     }
 
+    /// Over the content of its targets.
+    pub fn over(mut self) -> Self {
+        self.pass.facts.loads_color = true;
+        self
+    }
+
     /// Resolved to these at its end.
     pub fn resolves(mut self, to: &[Image]) -> Self {
         self.pass.resolves = to.iter().map(|image| image.target()).collect();

@@ -70,11 +70,20 @@ impl RateAttachments {
                     unsafe { destroy(device, pipeline, allocator) };
                 }
             }
-            if asked.iter().any(|info| info.render_pass == vk::RenderPass::null()) {
+            // SAFETY: the application's own arguments.
+            let result = unsafe { next(device, cache, count, infos, allocator, made) };
+            let is_in_rendering =
+                |info: &vk::GraphicsPipelineCreateInfo<'_>| info.render_pass == vk::RenderPass::null();
+            // SAFETY: as above.
+            let pipelines = unsafe { slice(made.cast_const(), count) };
+            if asked
+                .iter()
+                .zip(pipelines)
+                .any(|(info, made)| is_in_rendering(info) && *made != vk::Pipeline::null())
+            {
                 self.leave_rendering_alone();
             }
-            // SAFETY: the application's own arguments.
-            return unsafe { next(device, cache, count, infos, allocator, made) };
+            return result;
         }
         for (&pipeline, rate) in pipelines.iter().zip(rates) {
             if pipeline != vk::Pipeline::null() && rate != PipelineRate::Fixed {

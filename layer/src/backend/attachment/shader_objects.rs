@@ -48,9 +48,16 @@ impl RateAttachments {
                     unsafe { destroy(device, shader, allocator) };
                 }
             }
-            self.leave_rendering_alone();
             // SAFETY: the application's own arguments.
-            return unsafe { next(device, count, infos, allocator, made) };
+            let result = unsafe { next(device, count, infos, allocator, made) };
+            // SAFETY: as above.
+            if unsafe { slice(made.cast_const(), count) }
+                .iter()
+                .any(|shader| *shader != vk::ShaderEXT::null())
+            {
+                self.leave_rendering_alone();
+            }
+            return result;
         }
         for (info, &shader) in asked.iter().zip(shaders) {
             if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {

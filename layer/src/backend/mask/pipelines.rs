@@ -121,10 +121,9 @@ impl Masks {
             pass => Some(self.pass_of(pass, info.subpass)?),
         };
         let layout = self.layout(info.layout)?;
-        let code = |module| self.codes.get(module);
         // SAFETY: the pipeline has all parts and rasterises, to a pass with colour where it has a render pass; layout and pass are of
         // this device.
-        let recipe = unsafe { Recipe::of(info, Ingredients { code: &code, layout, render_pass })? };
+        let recipe = unsafe { Recipe::of(info, Ingredients { codes: &self.codes, layout, render_pass })? };
         // SAFETY: the stage is valid, as above.
         let effects = unsafe { self.modules.effects(fragment) };
         let by_alpha = dynamic.contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT)

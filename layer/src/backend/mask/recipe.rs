@@ -36,8 +36,8 @@ struct Fragment {
 
 /// Parts of a recipe outside of the description.
 pub struct Ingredients<'a> {
-    /// The code of a live module.
-    pub code: &'a dyn Fn(vk::ShaderModule) -> Option<Code>,
+    /// The code of live modules.
+    pub codes: &'a Codes,
     /// The layout.
     pub layout: Arc<AppendedLayout>,
     /// The render pass; nothing for dynamic rendering.
@@ -97,7 +97,7 @@ impl Recipe {
         let mut kept = SmallVec::<[vk::PipelineShaderStageCreateInfo<'static>; 4]>::new();
         for stage in stages {
             // SAFETY: valid usage demands valid stages.
-            let (code, stage) = unsafe { (code_of(stage, ingredients.code)?, stage_of(stage, &mut memory)) };
+            let (code, stage) = unsafe { (code_of(stage, ingredients.codes)?, stage_of(stage, &mut memory)) };
             codes.push(code);
             kept.push(stage);
         }
@@ -176,15 +176,12 @@ fn has_tessellation(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> bool {
     stages.iter().any(|stage| stage.stage == vk::ShaderStageFlags::TESSELLATION_CONTROL)
 }
 
-/// The code of a stage; `None` if its chain has more than code and a name for tools.
+/// The code of a stage; `None` if it is not kept, or if the chain has more than code and a name for tools.
 ///
 /// # Safety
 ///
 /// The stage and its chain are valid.
-unsafe fn code_of(
-    stage: &vk::PipelineShaderStageCreateInfo<'_>,
-    of_module: &dyn Fn(vk::ShaderModule) -> Option<Code>,
-) -> Option<Code> {
+unsafe fn code_of(stage: &vk::PipelineShaderStageCreateInfo<'_>, codes: &Codes) -> Option<Code> {
     const KNOWN: [vk::StructureType; 2] =
         [vk::StructureType::SHADER_MODULE_CREATE_INFO, vk::StructureType::DEBUG_UTILS_OBJECT_NAME_INFO_EXT];
     // SAFETY: the chain is valid, as `# Safety` demands.
@@ -192,14 +189,14 @@ unsafe fn code_of(
         return None;
     }
     if stage.module != vk::ShaderModule::null() {
-        return of_module(stage.module);
+        return codes.get(stage.module);
     }
     // SAFETY: as above; a valid structure of this type has so many bytes of code.
     let code = unsafe {
         let own = find::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next)?;
         words(own.p_code.cast(), own.code_size)
     };
-    Some(codes::apart(&code))
+    codes.keep(&code)
 }
 
 /// A stage without its module.

@@ -96,6 +96,18 @@ fn fit(size: [f32; 2], picture: [f32; 2]) -> Result<(), Unmatched> {
     if scale[0] > MOST || scale[1] > MOST { Err(Unmatched::Large) } else { Ok(()) }
 }
 
+/// Whether a format has integers of 32 bits or more, as the numbers of triangles have in a visibility buffer. Smaller ones number objects, for outlines.
+pub(super) fn holds_identities(format: vk::Format) -> bool {
+    matches!(
+        format,
+        vk::Format::R32_UINT
+            | vk::Format::R32G32_UINT
+            | vk::Format::R32G32B32_UINT
+            | vk::Format::R32G32B32A32_UINT
+            | vk::Format::R64_UINT
+    )
+}
+
 /// Whether a format has red, green and blue that are not integers. Fewer components hold depths, masks, velocities;
 /// integers hold identities.
 pub fn holds_colours(format: vk::Format) -> bool {

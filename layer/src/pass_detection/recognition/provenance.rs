@@ -178,7 +178,7 @@ impl Provenance {
             let kind = Kind::new(pass, shares_depth, self.nodes[index].writes_picture);
             self.nodes[index].kind = kind;
             if kind == Kind::Camera {
-                self.nodes[index].group = self.groups.join(index, pass);
+                self.nodes[index].group = self.groups.join(index, pass, events);
             } else if kind == Kind::Other && pass.facts.clears_depth {
                 // The next camera with that depth, which loads it, is another one.
                 self.groups.leave_depth(pass);
@@ -241,6 +241,12 @@ impl Provenance {
                     }
                 }
             }
+        }
+        let is_open = |group: &Group| !group.is_eye && !group.is_ambiguous;
+        if unknown_reader.is_none() && self.groups.all.iter().all(is_open) {
+            // Nothing says where the picture comes from: compute or a copy made an image that the last pass reads.
+            let is_last = |node: &Node| node.writes_picture && matches!(node.kind, Kind::Screen { .. });
+            unknown_reader = self.nodes.iter().rposition(is_last);
         }
         unknown_reader
     }

@@ -25,17 +25,85 @@ pub unsafe extern "system" fn allocate(
                 && !armed.ignores_runtime()
             {
                 // SAFETY: the pointer is valid, by valid usage, with so many layouts; the call has written as many sets.
-                let (sets, layouts) = unsafe {
+                let (pool, sets, layouts) = unsafe {
                     let count = (*info).descriptor_set_count;
-                    (slice(sets.cast_const(), count), slice((*info).p_set_layouts, count))
+                    (
+                        (*info).descriptor_pool,
+                        slice(sets.cast_const(), count),
+                        slice((*info).p_set_layouts, count),
+                    )
                 };
-                for (set, layout) in sets.iter().zip(layouts) {
-                    armed.objects.descriptors.add_set(*set, *layout);
-                }
+                armed.objects.descriptors.add_sets(pool, sets, layouts);
             }
             result
         }
     )
+}
+
+/// `vkFreeDescriptorSets`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn free(
+    device: vk::Device,
+    pool: vk::DescriptorPool,
+    count: u32,
+    sets: *const vk::DescriptorSet,
+) -> vk::Result {
+    hook!(
+        "vkFreeDescriptorSets",
+        device::with,
+        free_descriptor_sets(device, pool, count, sets),
+        |known, next| {
+            if let Some(armed) = &known.armed {
+                // SAFETY: valid usage demands so many sets.
+                armed.objects.descriptors.free_sets(unsafe { slice(sets, count) });
+            }
+            next()
+        }
+    )
+}
+
+/// `vkResetDescriptorPool`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn reset_pool(
+    device: vk::Device,
+    pool: vk::DescriptorPool,
+    flags: vk::DescriptorPoolResetFlags,
+) -> vk::Result {
+    hook!("vkResetDescriptorPool", device::with, reset_descriptor_pool(device, pool, flags), |known, next| {
+        if let Some(armed) = &known.armed {
+            armed.objects.descriptors.clear_pool(pool);
+        }
+        next()
+    })
+}
+
+/// `vkDestroyDescriptorPool`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn destroy_pool(
+    device: vk::Device,
+    pool: vk::DescriptorPool,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    hook!(
+        "vkDestroyDescriptorPool",
+        device::with,
+        destroy_descriptor_pool(device, pool, allocator),
+        |known, next| {
+            if let Some(armed) = &known.armed {
+                armed.objects.descriptors.clear_pool(pool);
+            }
+            next();
+        }
+    );
 }
 
 /// `vkUpdateDescriptorSets`.

@@ -69,12 +69,20 @@ pub unsafe extern "system" fn create(
 fn note_created(objects: &Objects, view: vk::ImageView, created: Option<View>) {
     match created {
         Some(created) => {
-            if created.is_colour_target {
+            forget(objects, view);
+            if created.may_hold_picture {
                 objects.descriptors.add_view(view);
             }
             objects.views.insert(view, created);
         }
-        None => drop(objects.views.remove(view)),
+        None => forget(objects, view),
+    }
+}
+
+/// A view is gone.
+fn forget(objects: &Objects, view: vk::ImageView) {
+    if objects.views.remove(view).is_some_and(|view| view.may_hold_picture) {
+        objects.descriptors.forget_view(view);
     }
 }
 
@@ -90,7 +98,7 @@ pub unsafe extern "system" fn destroy(
 ) {
     hook!("vkDestroyImageView", device::with, destroy_image_view(device, view, allocator), |known, next| {
         if let Some(armed) = &known.armed {
-            armed.objects.views.remove(view);
+            forget(&armed.objects, view);
         }
         next();
     });

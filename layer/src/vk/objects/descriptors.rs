@@ -3,27 +3,39 @@
 //! Engines write thousands of descriptors a frame, and hardly one of them names an attachment. Filters rule out most of them without a
 //! look-up.
 
+mod filter;
+
 use super::{Objects, View};
 use crate::abi::copies::slice;
 use crate::pass_detection::{ImageKey, Reads};
 use crate::vk::table::Table;
 use ash::vk;
 use ash::vk::Handle;
+use filter::Filter;
+use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The descriptor sets of a device.
 #[derive(Default)]
 pub struct Descriptors {
     /// Sets with attachments, or with unknown content.
     sets: Table<vk::DescriptorSet, Held>,
-    /// Number of sets added and not forgotten since.
-    added: AtomicUsize,
+    /// Number of `sets`.
+    kept: AtomicUsize,
+    /// Allocated sets by pool, some of them freed since.
+    pools: Table<vk::DescriptorPool, Arc<Mutex<Allocated>>>,
+    /// Number of sweeps of sets that went with their pool.
+    sweeps: AtomicU32,
+    is_sweeping: AtomicBool,
     /// Whether all sets were ever forgotten.
     is_overrun: AtomicBool,
     /// Layouts of sets that are as good as unknown: with long arrays, or written after they were bound.
     open_layouts: Table<vk::DescriptorSetLayout, ()>,
+    /// All of `sets`, those with attachments, and views of attachments.
     set_filter: Filter,
+    image_filter: Filter,
     view_filter: Filter,
 }
 
@@ -34,48 +46,49 @@ struct Held {
     images: SmallVec<[(u32, u32, ImageKey); 4]>,
     /// Whether it may hold others.
     is_open: bool,
+    /// Number of sweeps before it was written.
+    sweep: u32,
 }
 
-/// Most sets with attachments that are kept. The sets that go with their pool are not reported: if an application makes ever more, all sets
-/// are unknown from then on.
+/// Sets of a pool since it was made or reset.
+#[derive(Debug, Default)]
+struct Allocated {
+    sets: Vec<vk::DescriptorSet>,
+    /// Number of different sets when they were counted last.
+    different: usize,
+}
+
+impl Allocated {
+    /// Fewer handles are never searched for repeated ones.
+    const LEAST: usize = 1 << 12;
+
+    /// Handles repeat where sets are freed one by one.
+    fn add(&mut self, sets: &[vk::DescriptorSet]) {
+        if self.sets.len() + sets.len() > (2 * self.different).max(Self::LEAST) {
+            self.sets.sort_unstable();
+            self.sets.dedup();
+            self.different = self.sets.len();
+        }
+        self.sets.extend_from_slice(sets);
+    }
+}
+
+/// Most sets with attachments that are kept. Sets go with their pool without being named, so that beyond this number those without a pool are
+/// swept out; if more than half of it stay, all sets are unknown from then on.
 const MOST_SETS: usize = 1 << 16;
 
 /// Least length of an array of all textures, of which unknown elements are read.
 const LONG: u32 = 32;
 
-/// Handles that may be of interest: none that is, is missing.
-struct Filter([AtomicU64; Filter::WORDS]);
-
-impl Filter {
-    const WORDS: usize = 1024;
-
-    fn place(handle: u64) -> (usize, u64) {
-        // Fibonacci hashing: 2^64 divided by the golden ratio (Knuth, The Art of Computer Programming 3, 6.4). Sixteen bits are left.
-        let hash = handle.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 48;
-        ((hash >> 6) as usize, 1 << (hash & 63))
-    }
-
-    fn add(&self, handle: u64) {
-        let (word, bit) = Self::place(handle);
-        self.0[word].fetch_or(bit, Ordering::Relaxed);
-    }
-
-    fn may_have(&self, handle: u64) -> bool {
-        let (word, bit) = Self::place(handle);
-        self.0[word].load(Ordering::Relaxed) & bit != 0
-    }
-}
-
-impl Default for Filter {
-    fn default() -> Self {
-        Self([const { AtomicU64::new(0) }; Self::WORDS])
-    }
-}
-
 impl Descriptors {
     /// Whether a set may have attachments.
     pub fn may_read(&self, set: vk::DescriptorSet) -> bool {
         self.set_filter.may_have(set.as_raw()) || self.is_overrun.load(Ordering::Relaxed)
+    }
+
+    /// Whether a set may have attachments that are known.
+    pub fn may_name(&self, set: vk::DescriptorSet) -> bool {
+        self.image_filter.may_have(set.as_raw())
     }
 
     /// Adds the attachments that draws may read by a set.
@@ -86,9 +99,14 @@ impl Descriptors {
         held.images.iter().for_each(|(_, _, image)| reads.push(*image));
     }
 
-    /// A view is made of an image that passes draw colours to.
+    /// A view is made of an image that may hold a picture.
     pub fn add_view(&self, view: vk::ImageView) {
         self.view_filter.add(view.as_raw());
+    }
+
+    /// Such a view is destroyed.
+    pub fn forget_view(&self, view: vk::ImageView) {
+        self.view_filter.remove(view.as_raw());
     }
 
     /// A layout is made.
@@ -101,36 +119,98 @@ impl Descriptors {
         }
     }
 
-    /// A set is made, in place of one of the same handle.
-    pub fn add_set(&self, set: vk::DescriptorSet, layout: vk::DescriptorSetLayout) {
-        let is_open = self.open_layouts.get(layout).is_some();
-        if is_open {
-            self.open(set);
-        } else if self.may_read(set) {
-            self.forget(set);
+    /// Sets are made of layouts, in place of sets of the same handles.
+    pub fn add_sets(
+        &self,
+        pool: vk::DescriptorPool,
+        sets: &[vk::DescriptorSet],
+        layouts: &[vk::DescriptorSetLayout],
+    ) {
+        let of_pool = self.pools.get_or_insert(pool, Arc::default());
+        of_pool.lock().unwrap_or_else(PoisonError::into_inner).add(sets);
+        for (set, layout) in sets.iter().zip(layouts) {
+            let is_open = self.open_layouts.get(*layout).is_some();
+            if is_open {
+                self.keep_open(*set);
+            } else if self.may_read(*set) {
+                self.forget(*set);
+            }
         }
     }
 
+    /// Sets are freed.
+    pub fn free_sets(&self, sets: &[vk::DescriptorSet]) {
+        sets.iter().filter(|set| self.may_read(**set)).for_each(|set| self.forget(*set));
+    }
+
+    /// All sets of a pool are gone.
+    pub fn clear_pool(&self, pool: vk::DescriptorPool) {
+        self.pools.remove(pool);
+    }
+
     fn forget(&self, set: vk::DescriptorSet) {
-        if self.sets.remove(set).is_some() {
-            self.added.fetch_sub(1, Ordering::Relaxed);
+        if let Some(held) = self.sets.remove(set) {
+            self.forgot(set, &held);
+        }
+    }
+
+    /// A set is among `sets` no longer.
+    fn forgot(&self, set: vk::DescriptorSet, held: &Held) {
+        self.kept.fetch_sub(1, Ordering::Relaxed);
+        self.set_filter.remove(set.as_raw());
+        if !held.images.is_empty() {
+            self.image_filter.remove(set.as_raw());
         }
     }
 
     /// A set gets unknown content.
     pub fn open(&self, set: vk::DescriptorSet) {
-        self.keep(set, Held { images: SmallVec::new(), is_open: true });
+        if !self.set_filter.may_have(set.as_raw()) || !self.sets.is(set, Held::is_nothing_but_open) {
+            self.keep_open(set);
+        }
     }
 
-    fn keep(&self, set: vk::DescriptorSet, held: Held) {
-        self.set_filter.add(set.as_raw());
-        let is_new = !self.sets.has(set);
-        if is_new && self.added.fetch_add(1, Ordering::Relaxed) >= MOST_SETS {
-            self.is_overrun.store(true, Ordering::Relaxed);
-            drop(self.sets.remove_where(|_, _| true));
-            self.added.store(0, Ordering::Relaxed);
+    fn keep_open(&self, set: vk::DescriptorSet) {
+        self.keep(set, Held { is_open: true, ..Held::default() }, self.sets.get(set));
+    }
+
+    fn keep(&self, set: vk::DescriptorSet, held: Held, known: Option<Held>) {
+        if known.is_none() {
+            self.set_filter.add(set.as_raw());
+            if self.kept.fetch_add(1, Ordering::Relaxed) >= MOST_SETS {
+                self.sweep();
+            }
         }
-        self.sets.insert(set, held);
+        match (known.is_some_and(|known| !known.images.is_empty()), !held.images.is_empty()) {
+            (false, true) => self.image_filter.add(set.as_raw()),
+            (true, false) => self.image_filter.remove(set.as_raw()),
+            _ => {}
+        }
+        self.sets.insert(set, Held { sweep: self.sweeps.load(Ordering::Acquire), ..held });
+    }
+
+    /// Forgets sets that went with their pool.
+    fn sweep(&self) {
+        if self.is_sweeping.swap(true, Ordering::Acquire) {
+            return;
+        }
+        // Sets that are written from now on stay, whether or not their pool was seen here.
+        let sweep = self.sweeps.fetch_add(1, Ordering::AcqRel);
+        let mut live = FxHashSet::default();
+        for pool in self.pools.all() {
+            live.extend(pool.lock().unwrap_or_else(PoisonError::into_inner).sets.iter().copied());
+        }
+        let is_gone = |set: &vk::DescriptorSet, held: &Held| held.sweep <= sweep && !live.contains(set);
+        for (set, held) in self.sets.remove_where(is_gone) {
+            self.forgot(set, &held);
+        }
+        if self.kept.load(Ordering::Relaxed) > MOST_SETS / 2 {
+            self.is_overrun.store(true, Ordering::Relaxed);
+            for (set, held) in self.sets.remove_where(|_, _| true) {
+                self.forgot(set, &held);
+            }
+        }
+        self.is_sweeping.store(false, Ordering::Release);
     }
 
     /// One element of a binding is written.
@@ -142,10 +222,13 @@ impl Descriptors {
         if image.is_none() && known.is_none() {
             return;
         }
-        let mut held = known.unwrap_or_default();
+        let mut held = known.clone().unwrap_or_default();
         held.images.retain(|(binding, element, _)| (*binding, *element) != at);
         held.images.extend(image.map(|image| (at.0, at.1, image)));
-        self.keep(set, held);
+        if held.images.is_empty() && !held.is_open {
+            return self.forget(set);
+        }
+        self.keep(set, held, known);
     }
 
     /// The attachment that a view is of, if it is of one.
@@ -153,7 +236,13 @@ impl Descriptors {
         if !self.view_filter.may_have(view.as_raw()) {
             return None;
         }
-        objects.view(view).filter(|view| view.is_colour_target).map(|View { target, .. }| target.image)
+        objects.view(view).filter(|view| view.may_hold_picture).map(|View { target, .. }| target.image)
+    }
+}
+
+impl Held {
+    fn is_nothing_but_open(&self) -> bool {
+        self.is_open && self.images.is_empty()
     }
 }
 
@@ -188,6 +277,10 @@ mod tests {
         vk::DescriptorSet::from_raw(number)
     }
 
+    fn pool(number: u64) -> vk::DescriptorPool {
+        vk::DescriptorPool::from_raw(number)
+    }
+
     fn read(descriptors: &Descriptors, of: vk::DescriptorSet) -> (Vec<u64>, bool) {
         let mut reads = Reads::default();
         descriptors.read(of, &mut reads);
@@ -207,7 +300,7 @@ mod tests {
         descriptors.write(set(1), (3, 1), Some(ImageKey(9)));
         assert_eq!(read(&descriptors, set(1)), (vec![9], false));
         // Another set of the same handle.
-        descriptors.add_set(set(1), vk::DescriptorSetLayout::null());
+        descriptors.add_sets(pool(1), &[set(1)], &[vk::DescriptorSetLayout::null()]);
         assert_eq!(read(&descriptors, set(1)), (vec![], false));
     }
 
@@ -216,14 +309,61 @@ mod tests {
         let descriptors = Descriptors::default();
         let layout = vk::DescriptorSetLayout::from_raw(1);
         descriptors.add_layout(layout, true);
-        descriptors.add_set(set(1), layout);
+        descriptors.add_sets(pool(1), &[set(1)], &[layout]);
         assert!(descriptors.may_read(set(1)));
         assert_eq!(read(&descriptors, set(1)), (vec![], true));
         descriptors.write(set(1), (0, 5), Some(ImageKey(7)));
         assert_eq!(read(&descriptors, set(1)), (vec![7], true));
         descriptors.add_layout(layout, false);
-        descriptors.add_set(set(1), layout);
+        descriptors.add_sets(pool(1), &[set(1)], &[layout]);
         assert_eq!(read(&descriptors, set(1)), (vec![], false));
+    }
+
+    #[test]
+    fn sets_go_with_their_pool() {
+        const OF_A_POOL: u64 = 1000;
+        let descriptors = Descriptors::default();
+        let layout = vk::DescriptorSetLayout::from_raw(1);
+        descriptors.add_layout(layout, true);
+        let add = |number: u64, first: u64| {
+            let sets: Vec<_> = (first..first + OF_A_POOL).map(|number| set(number * 64)).collect();
+            let layouts = vec![layout; sets.len()];
+            descriptors.add_sets(pool(number), &sets, &layouts);
+        };
+        add(1, 1);
+        descriptors.write(set(64), (0, 0), Some(ImageKey(7)));
+        for round in 1..4 * (MOST_SETS as u64 / OF_A_POOL) {
+            add(2, round * 2 * OF_A_POOL);
+            descriptors.clear_pool(pool(2));
+        }
+        assert!(descriptors.kept.load(Ordering::Relaxed) <= MOST_SETS + 1);
+        assert_eq!(read(&descriptors, set(64)), (vec![7], true), "of the pool that lives");
+        assert!(!descriptors.is_overrun.load(Ordering::Relaxed));
+        assert_eq!(descriptors.sets.all().len(), descriptors.kept.load(Ordering::Relaxed));
+    }
+
+    #[test]
+    fn ever_more_live_sets_are_unknown() {
+        let descriptors = Descriptors::default();
+        for number in 1..MOST_SETS as u64 + 3 {
+            descriptors.add_sets(pool(1), &[set(number * 64)], &[vk::DescriptorSetLayout::null()]);
+            descriptors.write(set(number * 64), (0, 0), Some(ImageKey(7)));
+        }
+        assert!(descriptors.may_read(set(1)) && read(&descriptors, set(1)).1);
+    }
+
+    #[test]
+    fn freed_sets_are_forgotten() {
+        let descriptors = Descriptors::default();
+        for _ in 0..3 * Allocated::LEAST {
+            descriptors.add_sets(pool(1), &[set(1)], &[vk::DescriptorSetLayout::null()]);
+            descriptors.write(set(1), (0, 0), Some(ImageKey(7)));
+            assert!(descriptors.may_read(set(1)) && descriptors.may_name(set(1)));
+            descriptors.free_sets(&[set(1)]);
+        }
+        assert!(!descriptors.may_read(set(1)) && !descriptors.may_name(set(1)));
+        let handles = descriptors.pools.get(pool(1)).unwrap().lock().unwrap().sets.len();
+        assert!(handles <= Allocated::LEAST, "{handles} handles of one set");
     }
 
     #[test]

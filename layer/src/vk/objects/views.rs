@@ -1,7 +1,7 @@
 //! Views of images.
 
-use super::Objects;
-use crate::pass_detection::Target;
+use super::{Image, Objects};
+use crate::pass_detection::{ImageDescription, Target, holds_colours};
 use ash::vk;
 
 /// A live view.
@@ -11,8 +11,8 @@ pub struct View {
     pub target: Target,
     /// The view's format, which may be another than the image's.
     pub format: vk::Format,
-    /// Whether passes may draw colours to the image that shaders read.
-    pub is_colour_target: bool,
+    /// Whether the image may hold a picture of the frame: passes draw colours to it, or compute may write it and it is large.
+    pub may_hold_picture: bool,
 }
 
 impl View {
@@ -33,8 +33,18 @@ impl View {
                 },
             },
             format: info.format,
-            is_colour_target: image.usage.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT)
-                && !image.description.is_cube,
+            may_hold_picture: may_hold_picture(&image),
         })
     }
+}
+
+/// Least side of a picture that compute writes, pixels: an eye at the least resolution scale. Volumes and tables are smaller.
+const LEAST_PICTURE: u32 = 512;
+
+fn may_hold_picture(image: &Image) -> bool {
+    let ImageDescription { extent, format, is_cube, .. } = image.description;
+    let is_drawn = image.usage.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT);
+    let is_large = extent.iter().all(|side| *side >= LEAST_PICTURE);
+    let is_computed = image.usage.contains(vk::ImageUsageFlags::STORAGE) && is_large && holds_colours(format);
+    !is_cube && (is_drawn || is_computed)
 }

@@ -7,11 +7,11 @@ use super::sets::BoundSets;
 use super::{Buffer, drawing, draws, with_buffer};
 use crate::abi::copies::slice;
 use crate::backend::mask::follows_graphics;
+use crate::vk::device_slots::DeviceSlots;
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::ArmedTable;
 use ash::vk;
-use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
-use std::{mem, ptr};
+use std::mem;
 
 /// The bound compute state of a command buffer.
 #[derive(Debug, Clone, Default)]
@@ -76,36 +76,20 @@ impl Bound {
     }
 }
 
-/// The next layer's vkCmdBindDescriptorSets of one device, found without a lock: engines call that for every draw.
-///
-/// It changes only while that device is made or destroyed, when no command buffer of it is recorded (external synchronization of
-/// vkDestroyDevice), so that both words belong together for a thread that finds its own device's key.
-struct QuickBind {
-    /// 0: of none.
-    key: AtomicUsize,
-    next: AtomicPtr<()>,
-}
+/// The next layer's vkCmdBindDescriptorSets, found without a lock: engines call that for every draw.
+static QUICK_BINDS: DeviceSlots = DeviceSlots::new();
 
-static QUICK_BIND: QuickBind = QuickBind { key: AtomicUsize::new(0), next: AtomicPtr::new(ptr::null_mut()) };
-
-/// A device is made. The first one is found quickly as long as it lives.
+/// A device is made.
 pub fn device_made(key: DispatchKey, next: &ArmedTable) {
-    let Some(bind) = next.cmd_bind_descriptor_sets else { return };
-    let QuickBind { key: quick, next } = &QUICK_BIND;
-    // Reserved first: two devices may be made at once.
-    if quick.compare_exchange(0, RESERVED, Ordering::AcqRel, Ordering::Relaxed).is_ok() {
-        next.store(bind as *mut (), Ordering::Relaxed);
-        quick.store(key.address(), Ordering::Release);
+    if let Some(bind) = next.cmd_bind_descriptor_sets {
+        QUICK_BINDS.add(key, bind as *mut ());
     }
 }
 
 /// A device is about to be destroyed.
 pub fn device_ends(key: DispatchKey) {
-    let _ = QUICK_BIND.key.compare_exchange(key.address(), 0, Ordering::AcqRel, Ordering::Relaxed);
+    QUICK_BINDS.remove(key);
 }
-
-/// No address of a dispatch table.
-const RESERVED: usize = 1;
 
 /// `vkCmdBindDescriptorSets`.
 ///
@@ -128,17 +112,12 @@ pub unsafe extern "system" fn bind_sets(
         unsafe { draws::bind(handle, first, slice(sets, count)) };
     }
     // SAFETY: the application's own arguments.
-    let next = match unsafe { DispatchKey::of(handle) } {
-        Some(key)
-            if point != vk::PipelineBindPoint::COMPUTE
-                && !follows_graphics()
-                && QUICK_BIND.key.load(Ordering::Acquire) == key.address() =>
-        {
-            let next = QUICK_BIND.next.load(Ordering::Relaxed);
-            // SAFETY: it was made from such a function, and stored before the key of this device, which lives.
-            unsafe { mem::transmute::<*mut (), vk::PFN_vkCmdBindDescriptorSets>(next) }
-        }
-        _ => bind_sets_tracked,
+    let key = unsafe { DispatchKey::of(handle) };
+    let is_kept = point == vk::PipelineBindPoint::COMPUTE || follows_graphics();
+    let next = match key.filter(|_| !is_kept).and_then(|key| QUICK_BINDS.find(key)) {
+        // SAFETY: it was made from such a function of this device, which lives.
+        Some(next) => unsafe { mem::transmute::<*mut (), vk::PFN_vkCmdBindDescriptorSets>(next) },
+        None => bind_sets_tracked,
     };
     // SAFETY: as above.
     unsafe { next(handle, point, layout, first, count, sets, offset_count, offsets) }
@@ -187,6 +166,10 @@ unsafe fn note_sets(
     point: vk::PipelineBindPoint,
     (layout, first, sets, offsets): (vk::PipelineLayout, u32, &[vk::DescriptorSet], &[u32]),
 ) {
+    // Rate attachments need no commands among the application's.
+    if known.armed.masks.is_none() {
+        return;
+    }
     known.recorded().offsets.bind_sets(point);
     match point {
         vk::PipelineBindPoint::COMPUTE => {
@@ -281,11 +264,16 @@ macro_rules! binds_more {
 ///
 /// `handle` is this command buffer, which is recording.
 unsafe fn note_more(known: &Buffer, handle: vk::CommandBuffer, [computes, draws]: [bool; 2]) {
+    if draws {
+        draws::bind_unknown(handle);
+    }
+    if known.armed.masks.is_none() {
+        return;
+    }
     if computes {
         known.recorded().compute.bind_more();
     }
     if draws {
-        draws::bind_unknown(handle);
         known.recorded().drawing.bind_more();
         // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe { drawing::bind_ours_again(known, handle) };

@@ -99,8 +99,10 @@ struct Open {
     is_unknown: Cell<bool>,
     /// Whether any of that is bound.
     may_read: Cell<bool>,
-    /// Whether the bound sets were noted as read by quads, and by other draws.
+    /// Whether the bound sets were noted as read by quads, and by other draws, but for unknown content.
     noted: [Cell<bool>; 2],
+    /// Whether the reads of the pass by quads, and by other draws, have unknown ones.
+    has_unknown: [Cell<bool>; 2],
 }
 
 thread_local! {
@@ -113,6 +115,7 @@ thread_local! {
             is_unknown: Cell::new(false),
             may_read: Cell::new(false),
             noted: [const { Cell::new(false) }; 2],
+            has_unknown: [const { Cell::new(false) }; 2],
         }
     };
 }
@@ -128,12 +131,16 @@ impl Open {
         self.bound_in.set(raw);
         self.sets.iter().for_each(|set| set.set(0));
         self.is_unknown.set(is_unknown);
-        self.is_bound_anew();
+        self.is_bound_anew(true);
     }
 
-    fn is_bound_anew(&self) {
+    /// Other sets are bound, some of which may have known attachments. A pass of which unknown reads are noted learns nothing from more of them:
+    /// with sets of unknown content, as DXVK has, each draw would be noted.
+    fn is_bound_anew(&self, names_attachments: bool) {
         self.may_read.set(self.is_unknown.get() || self.sets.iter().any(|set| set.get() != 0));
-        self.noted.iter().for_each(|noted| noted.set(false));
+        for (noted, has_unknown) in self.noted.iter().zip(&self.has_unknown) {
+            noted.set(noted.get() && has_unknown.get() && !names_attachments);
+        }
     }
 
     /// The thread draws in a command buffer, with the sets that it bound there before.
@@ -141,7 +148,7 @@ impl Open {
         if self.bound_in.get() != raw {
             self.forget_bound(raw, true);
         }
-        self.noted.iter().for_each(|noted| noted.set(false));
+        self.noted.iter().chain(&self.has_unknown).for_each(|flag| flag.set(false));
     }
 }
 
@@ -185,6 +192,7 @@ fn add_reads(of: &Buffer, more: Counts) {
         for set in open.sets.iter().map(Cell::get).filter(|set| *set != 0) {
             of.armed.objects.descriptors.read(vk::DescriptorSet::from_raw(set), reads);
         }
+        open.has_unknown[kind].set(reads.may_read_more);
     });
 }
 
@@ -235,20 +243,21 @@ pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::Descriptor
         if open.bound_in.get() != raw {
             open.forget_bound(raw, true);
         }
-        let mut is_changed = false;
+        let (mut is_changed, mut names_attachments) = (false, false);
         for (number, set) in (first as usize..).zip(sets) {
             let may_read = descriptors.may_read(*set);
             match open.sets.get(number) {
                 Some(bound) => {
                     let now = if may_read { set.as_raw() } else { 0 };
                     is_changed |= bound.replace(now) != now;
+                    names_attachments |= may_read && descriptors.may_name(*set);
                 }
                 None if may_read && !open.is_unknown.replace(true) => is_changed = true,
                 None => {}
             }
         }
         if is_changed {
-            open.is_bound_anew();
+            open.is_bound_anew(names_attachments);
         }
     });
 }

@@ -181,6 +181,10 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
         region: super::area(info.render_area),
         view_mask: info.view_mask,
         facts: PassFacts {
+            loads_color: colors
+                .iter()
+                .find(is_attached)
+                .is_some_and(|found| found.load_op == vk::AttachmentLoadOp::LOAD),
             clears_depth: depth.is_some_and(|found| found.load_op == vk::AttachmentLoadOp::CLEAR),
             stores_depth: depth.is_some_and(|found| found.store_op != vk::AttachmentStoreOp::DONT_CARE),
             resolves_depth: depth.into_iter().chain(stencil).any(|found| {

@@ -109,6 +109,57 @@ fn draw_pooled_mirror(
     draw_all_late(frame, textures);
 }
 
+/// Hands and lasers over the mapped picture, with the scene's depth.
+pub(crate) fn hands_over_picture(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let depth = frame.image("depth", 0, size, DEPTH);
+    for view in 0..2 {
+        let is_eye = IsEye(eye_of(view));
+        let color = frame.image("bright", view, size, HDR);
+        let mapped = frame.image("mapped", 0, size, LDR);
+        frame.add(Step::new("scene", is_eye, &[color]).clears(depth).meshes(300, &sampled));
+        frame.add(Step::new("tone-map", FullScreen, &[mapped]).full_screen(&[color]));
+        frame.add(Step::new("hands", is_eye, &[mapped]).over().loads(depth).meshes(12, &[]));
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("upscale", FullScreen, &[swapchain]).full_screen(&[mapped]));
+    }
+    draw_all_late(frame, textures);
+}
+
+/// A cockpit over the scene, with its depth cleared again.
+pub(crate) fn cockpit(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let depth = frame.image("depth", 0, size, DEPTH);
+    for view in 0..2 {
+        let is_eye = IsEye(eye_of(view));
+        let color = frame.image("bright", view, size, HDR);
+        frame.add(Step::new("scene", is_eye, &[color]).clears(depth).meshes(300, &sampled));
+        frame.add(Step::new("cockpit", is_eye, &[color]).over().clears(depth).meshes(40, &sampled));
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("tone-map", FullScreen, &[swapchain]).full_screen(&[color]));
+    }
+    draw_all_late(frame, textures);
+}
+
+/// An interface of many meshes over the mapped picture, which a last pass brings to the swapchain.
+pub(crate) fn interface_over_picture(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let depth = frame.image("depth", 0, size, DEPTH);
+    for view in 0..2 {
+        let color = frame.image("bright", view, size, HDR);
+        let mapped = frame.image("mapped", view, size, LDR);
+        frame.add(Step::new("scene", IsEye(eye_of(view)), &[color]).clears(depth).meshes(300, &sampled));
+        frame.add(Step::new("tone-map", FullScreen, &[mapped]).full_screen(&[color]));
+        frame.add(Step::new("interface", FullScreen, &[mapped]).over().quads(40, &[]).meshes(12, &[]));
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("upscale", FullScreen, &[swapchain]).full_screen(&[mapped]));
+    }
+    draw_all_late(frame, textures);
+}
+
 /// A visor over the picture: a page without depth, composed by the tone mapping, at the size of the scene.
 pub(crate) fn visor(frame: &mut Frame<'_>, textures: &[Texture]) {
     let sampled = draw_all(frame, textures);

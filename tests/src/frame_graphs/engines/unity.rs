@@ -93,6 +93,25 @@ pub(crate) fn hdrp(frame: &mut Frame<'_>, textures: &[Texture]) {
     draw_all_late(frame, textures);
 }
 
+/// The built-in pipeline with an image effect between opaque and transparent draws, blitted back; in images that both eyes share.
+pub(crate) fn effects_between(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let color = frame.image("eye", 0, size, HDR);
+    let depth = frame.image("eye depth", 0, size, DEPTH);
+    let effect = frame.image("effect", 0, size, HDR);
+    for view in 0..2 {
+        let is_eye = IsEye(eye_of(view));
+        frame.add(Step::new("opaque", is_eye, &[color]).clears(depth).meshes(510, &sampled));
+        frame.add(Step::new("fog", FullScreen, &[effect]).full_screen(&[color, depth]));
+        frame.add(Step::new("blit", FullScreen, &[color]).full_screen(&[effect]));
+        frame.add(Step::new("transparent", is_eye, &[color]).over().loads(depth).meshes(30, &sampled));
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("grading", FullScreen, &[swapchain]).full_screen(&[color]));
+    }
+    draw_all_late(frame, textures);
+}
+
 /// The built-in pipeline, multi-pass with multisampling: resolved by vkCmdResolveImage, then image effects in full-screen passes.
 pub(crate) fn built_in(frame: &mut Frame<'_>, textures: &[Texture]) {
     let sampled = draw_all(frame, textures);

@@ -51,6 +51,61 @@ pub(crate) fn forward(frame: &mut Frame<'_>, textures: &[Texture]) {
     draw_all_late(frame, textures);
 }
 
+/// Forward with translucency in an image of its own, composed with the scene's afterwards; without multisampling.
+pub(crate) fn separate_translucency(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let wide = frame.wide();
+    let depth = frame.image("SceneDepthZ", 0, wide, DEPTH);
+    let color = frame.image("SceneColor", 0, wide, PACKED);
+    let translucency = frame.image("SeparateTranslucency", 0, wide, HDR);
+    let composed = frame.image("Composed", 0, wide, HDR);
+    frame.add(Step::new("base pass", IsEye(None), &[color]).clears(depth).meshes(640, &sampled));
+    let translucent = Step::new("translucency", IsEye(None), &[translucency]).loads(depth);
+    frame.add(translucent.meshes(40, &sampled));
+    let compose = Step::new("compose", FullScreen, &[composed]);
+    frame.add(compose.full_screen(&[color, translucency, depth]));
+    to_swapchain(frame, "tone-map", &[composed]);
+    draw_all_late(frame, textures);
+}
+
+/// Deferred with temporal super-resolution in compute, whose image no pass draws to; then tone mapping.
+pub(crate) fn temporal_compute(frame: &mut Frame<'_>, textures: &[Texture]) {
+    draw_temporal_compute(frame, textures, |color, _| vec![color]);
+}
+
+/// The same where the image that tone mapping reads is not followed: a copy's destination.
+pub(crate) fn temporal_copied(frame: &mut Frame<'_>, textures: &[Texture]) {
+    draw_temporal_compute(frame, textures, |_, _| Vec::new());
+}
+
+/// `read` gives the images that are followed of those which tone mapping reads.
+fn draw_temporal_compute(
+    frame: &mut Frame<'_>,
+    textures: &[Texture],
+    read: impl Fn(Image, Image) -> Vec<Image>,
+) {
+    let sampled = draw_all(frame, textures);
+    let (wide, shown) = (frame.wide(), [2 * frame.eye[0], frame.eye[1]]);
+    let depth = frame.image("SceneDepthZ", 0, wide, DEPTH);
+    let color = frame.image("SceneColorDeferred", 0, wide, HDR);
+    let buffers = [
+        frame.image("GBufferA", 0, wide, NORMALS),
+        frame.image("GBufferB", 0, wide, BYTES),
+        frame.image("GBufferC", 0, wide, BYTES),
+    ];
+    let drawn = [color, buffers[0], buffers[1], buffers[2]];
+    frame.add(Step::depth_only("pre-pass", IsEye(None), depth).meshes(200, &[]));
+    frame.add(Step::new("base pass", IsEye(None), &drawn).loads(depth).meshes(560, &sampled));
+    let mut lit: Vec<Image> = buffers.to_vec();
+    lit.push(depth);
+    frame.add(Step::new("lights", Shading(None), &[color]).over().loads(depth).small_meshes(24, 180, &lit));
+    frame.add(Step::new("translucency", IsEye(None), &[color]).over().loads(depth).meshes(60, &sampled));
+    // Written by compute.
+    let upscaled = frame.image("TSR.Output", 0, shown, HDR);
+    to_swapchain(frame, "tone-map", &read(upscaled, color));
+    draw_all_late(frame, textures);
+}
+
 /// Forward for mobile headsets: multiview, tone-mapped in the shader, straight.
 pub(crate) fn mobile(frame: &mut Frame<'_>, textures: &[Texture]) {
     let sampled = draw_all(frame, textures);

@@ -33,11 +33,6 @@ impl Drop for Kept {
     }
 }
 
-/// Code that counts for no device.
-pub fn apart(words: &[u32]) -> Code {
-    Arc::new(Kept { words: words.into(), bytes: Arc::new(AtomicUsize::new(size_of_val(words))) })
-}
-
 /// The code of live modules of a device, as far as it is kept.
 #[derive(Default)]
 pub struct Codes {
@@ -55,13 +50,19 @@ impl Codes {
         self.modules.remove(module);
         // SAFETY: the code is valid, by the valid usage of vkCreateShaderModule.
         let words = unsafe { words(info.p_code.cast(), info.code_size) };
-        let size = size_of_val(&*words);
+        if let Some(kept) = self.keep(&words) {
+            self.modules.insert(module, kept);
+        }
+    }
+
+    /// Code of a pipeline without a module; `None` if no more code is kept.
+    pub fn keep(&self, words: &[u32]) -> Option<Code> {
+        let size = size_of_val(words);
         if self.bytes.load(Ordering::Relaxed).saturating_add(size) > MOST_CODE {
-            return;
+            return None;
         }
         self.bytes.fetch_add(size, Ordering::Relaxed);
-        let kept = Kept { words: words.into(), bytes: Arc::clone(&self.bytes) };
-        self.modules.insert(module, Arc::new(kept));
+        Some(Arc::new(Kept { words: words.into(), bytes: Arc::clone(&self.bytes) }))
     }
 
     /// A module is about to be destroyed.

@@ -38,7 +38,11 @@ impl Provenance {
                             if !sources.contains(&group) {
                                 sources.push(group);
                             }
-                            return false;
+                            // An interface without depth is drawn over the picture that it loads.
+                            let is_over = pass.facts.loads_color && !self.groups.all[group].has_depth;
+                            if !is_over {
+                                return false;
+                            }
                         }
                         Kind::Screen { .. } => {
                             self.doubts += is_doubtful;

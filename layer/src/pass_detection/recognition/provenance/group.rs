@@ -2,7 +2,7 @@
 
 use super::{Known, Role};
 use crate::pass_detection::recognition::candidate;
-use crate::pass_detection::{Event, Pass, Target};
+use crate::pass_detection::{Event, ImageKey, Pass, Reads, Target};
 use smallvec::SmallVec;
 
 /// The cameras of a frame.
@@ -68,13 +68,22 @@ impl Groups {
     }
 
     /// Adds a pass to the camera that it goes on with, or to one of its own.
-    pub(super) fn join(&mut self, index: usize, pass: &Pass) -> usize {
+    ///
+    /// A pass that clears depth but loads the picture draws over it, as cockpits and tools in hand are drawn. Images of a pool are loaded too, by
+    /// Direct3D's rules, but are read before another camera draws to them.
+    pub(super) fn join(&mut self, index: usize, pass: &Pass, events: &[Event]) -> usize {
         let color = pass.colors.first().copied();
         let by_depth =
             pass.depth.filter(|_| !pass.facts.clears_depth).and_then(|depth| self.of_depth(&depth));
         let by_color = || {
-            let color = color.filter(|_| pass.depth.is_none())?;
-            self.colors.iter().rev().find(|(known, _)| *known == color).map(|(_, group)| *group)
+            let color = color?;
+            let (_, group) = *self.colors.iter().rev().find(|(known, _)| *known == color)?;
+            let last = *self.all[group].passes.last()?;
+            let is_over = || {
+                let is_read = |event: &Event| reads(event, color.image);
+                pass.facts.loads_color && !events[last..index].iter().any(is_read)
+            };
+            (pass.depth.is_none() || is_over()).then_some(group)
         };
         let group = by_depth.or_else(by_color).unwrap_or_else(|| {
             self.all.push(Group {
@@ -98,6 +107,20 @@ impl Groups {
             }
         }
         group
+    }
+}
+
+/// Whether an event may read an image, or passes its content on at its end.
+fn reads(event: &Event, image: ImageKey) -> bool {
+    match event {
+        Event::Transfer(transfer) => transfer.from.image == image,
+        Event::Pass(pass) if pass.colors.iter().any(|target| target.image == image) => {
+            !pass.resolves.is_empty()
+        }
+        Event::Pass(pass) => pass.draws.as_ref().is_none_or(|draws| {
+            let may_read = |reads: &Reads| reads.may_read_more || reads.images.contains(&image);
+            may_read(&draws.read_by_quads) || may_read(&draws.read_by_meshes)
+        }),
     }
 }
 

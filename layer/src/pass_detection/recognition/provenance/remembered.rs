@@ -80,6 +80,7 @@ impl Structure {
                     let flags = [
                         node.writes_picture,
                         pass.facts.clears_depth,
+                        pass.facts.loads_color,
                         pass.draws.is_some(),
                         pass.depth.is_some(),
                     ];

@@ -1,8 +1,9 @@
 //! The roles of a frame's passes: cameras have that of their group, full-screen passes that of the content which they read.
 
 use super::group::Group;
-use super::{Kind, Known, Origins, Provenance, Role, Sources, area};
-use crate::pass_detection::{Event, ImageKey, Pass};
+use super::{Kind, Known, Node, Origins, Provenance, Role, Sources, area};
+use crate::pass_detection::recognition::candidate;
+use crate::pass_detection::{Event, ImageDescription, ImageKey, Pass};
 use smallvec::SmallVec;
 
 impl Provenance {
@@ -19,20 +20,10 @@ impl Provenance {
 
     /// The role of a full-screen pass that may be on the way to the picture.
     fn role_of_screen(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> Role {
-        let is_eye = |group: usize| self.groups.all[group].role() == Role::Eye;
-        // A camera of the scene draws on: the target is the scene, shaded by this pass.
-        let target = pass.colors.first().map(|target| target.image);
-        for (later, node) in self.nodes.iter().enumerate().skip(index + 1) {
-            let Event::Pass(other) = &events[later] else { continue };
-            if target.is_none() || other.colors.first().map(|first| first.image) != target {
-                continue;
-            }
-            match node.kind {
-                Kind::Camera if !other.facts.clears_depth && is_eye(node.group) => return Role::Eye,
-                Kind::Camera => break,
-                _ => {}
-            }
+        if let Some(camera) = self.camera_over(index, pass, events) {
+            return self.role_under(camera, (index, pass), events, known);
         }
+        let is_eye = |group: usize| self.groups.all[group].role() == Role::Eye;
         let Some(draws) = pass.draws.as_ref().filter(|draws| draws.quads + draws.meshes > 0) else {
             return Role::Unknown;
         };
@@ -48,7 +39,7 @@ impl Provenance {
         let drawn_by = |sources: &Sources| -> SmallVec<[ImageKey; 8]> {
             reads.clone().copied().filter(|image| self.is_drawn_by(*image, sources, events)).collect()
         };
-        let shows = |drawn: SmallVec<[ImageKey; 8]>| drawn.is_empty() || !known.is_shading(drawn.into_iter());
+        let shows = |drawn: SmallVec<[ImageKey; 8]>| drawn.is_empty() || !is_g_buffer(&drawn, events, known);
         if sources.iter().all(|source| is_eye(*source)) {
             return if shows(drawn_by(sources)) { Role::FullScreen } else { Role::Eye };
         }
@@ -62,6 +53,46 @@ impl Provenance {
         if !drawn.is_empty() && shows(drawn) { Role::FullScreen } else { Role::Unknown }
     }
 
+    /// The camera of the scene that draws on where a pass has drawn.
+    fn camera_over(&self, index: usize, pass: &Pass, events: &[Event]) -> Option<usize> {
+        let target = pass.colors.first()?.image;
+        let is_over = |(later, node): &(usize, &Node)| {
+            let is_on = |pass: &Pass| pass.colors.first().is_some_and(|first| first.image == target);
+            node.kind == Kind::Camera && matches!(&events[*later], Event::Pass(pass) if is_on(pass))
+        };
+        let (later, node) = self.nodes.iter().enumerate().skip(index + 1).find(is_over)?;
+        let clears = matches!(&events[later], Event::Pass(pass) if pass.facts.clears_depth);
+        let is_eye = self.groups.all[node.group].role() == Role::Eye;
+        (is_eye && !clears).then_some(node.group)
+    }
+
+    /// The role of a full-screen pass on whose target a camera of the scene draws on. It shades the scene from a G-buffer, or draws its sky; or it
+    /// shows a picture of the scene, as image effects between opaque and transparent draws do.
+    fn role_under(
+        &self,
+        camera: usize,
+        (index, pass): (usize, &Pass),
+        events: &[Event],
+        known: &Known<'_>,
+    ) -> Role {
+        let Some(draws) = &pass.draws else { return Role::Eye };
+        let [quads, meshes] = [&draws.read_by_quads, &draws.read_by_meshes];
+        let reads = || quads.images.iter().chain(&meshes.images).copied();
+        let drawn: SmallVec<[ImageKey; 8]> =
+            reads().filter(|image| self.is_drawn_by(*image, &[camera], events)).collect();
+        let shows = match drawn.is_empty() {
+            false => !is_g_buffer(&drawn, events, known),
+            true if quads.may_read_more || meshes.may_read_more => {
+                !self.may_shade(index, pass, events, known)
+            }
+            true => reads().any(|image| {
+                let is_colour = |image: ImageDescription| candidate::holds_colours(image.format);
+                known.is_picture(image, pass) && known.memory.description(image).is_some_and(is_colour)
+            }),
+        };
+        if shows { Role::FullScreen } else { Role::Eye }
+    }
+
     /// The role of a full-screen pass without known sources. After cameras of a possible scene, it shades the scene if its unknown reads may include
     /// a G-buffer; otherwise it shows the scene, or draws over it.
     fn role_of_unknown(
@@ -73,21 +104,25 @@ impl Provenance {
     ) -> Role {
         let may_be_eye = |group: &Group| group.role() == Role::Eye || group.looks_like_eye(events, known);
         let is_off_screen = |group: &Group| !group.is_direct && group.passes[0] < index && may_be_eye(group);
-        // A single colour image, written by compute, is a picture; several images, or identities, may be a G-buffer.
-        let shows_one = || {
-            let draws = pass.draws.iter();
-            let reads =
-                draws.flat_map(|draws| draws.read_by_quads.images.iter().chain(&draws.read_by_meshes.images));
-            self.nodes[index].writes_picture && !known.is_shading(reads.copied())
-        };
-        if !(has_unknown || shows_one()) || !self.groups.all.iter().any(is_off_screen) {
+        let writes_picture = self.nodes[index].writes_picture;
+        if !(has_unknown || writes_picture) || !self.groups.all.iter().any(is_off_screen) {
             return Role::Unknown;
         }
+        let reads = || pass.draws.iter().flat_map(|draws| [&draws.read_by_quads, &draws.read_by_meshes]);
+        let images: SmallVec<[ImageKey; 16]> =
+            reads().flat_map(|reads| reads.images.iter().copied()).collect();
+        if !has_unknown && !images.is_empty() && is_g_buffer(&images, events, known) {
+            return Role::Unknown;
+        }
+        // A single colour image, written by compute, is a picture; several images, or identities, may be a G-buffer.
+        let shows_one =
+            || !reads().any(|reads| reads.may_read_more) && !known.is_shading(images.iter().copied());
         let is_other = |group: &Group| group.role() != Role::Eye && group.looks_like_eye(events, known);
         let is_alone = || !self.groups.all.iter().any(is_other);
         let shades = has_unknown
+            && !shows_one()
             && self.may_shade(index, pass, events, known)
-            && (self.nodes[index].writes_picture || is_alone());
+            && (writes_picture || is_alone());
         if shades { Role::Eye } else { Role::FullScreen }
     }
 
@@ -115,4 +150,24 @@ impl Provenance {
         }
         passes_between < buffers
     }
+}
+
+/// Whether images may be a G-buffer: no colours, numbers of triangles, or at least two colour targets of one pass. Colours of several passes are composed: translucency
+/// in an image of its own, a history, outlines.
+fn is_g_buffer(images: &[ImageKey], events: &[Event], known: &Known<'_>) -> bool {
+    let holds_colours = |image: &&ImageKey| {
+        known.memory.description(**image).is_some_and(|image| candidate::holds_colours(image.format))
+    };
+    let colours: SmallVec<[&ImageKey; 8]> = images.iter().filter(holds_colours).collect();
+    let draws_two = |event: &Event| match event {
+        Event::Transfer(_) => false,
+        Event::Pass(pass) => [&pass.colors[..], &pass.resolves[..]].iter().any(|targets| {
+            let is_drawn = |image: &&&ImageKey| targets.iter().any(|target| target.image == ***image);
+            colours.iter().filter(is_drawn).count() > 1
+        }),
+    };
+    let holds_identities = |image: &ImageKey| {
+        known.memory.description(*image).is_some_and(|image| candidate::holds_identities(image.format))
+    };
+    colours.is_empty() || images.iter().any(holds_identities) || events.iter().any(draws_two)
 }

@@ -85,7 +85,10 @@ impl RenderPass {
     fn new(attachments: Vec<Attachment>, subpasses: Vec<Subpass>) -> Self {
         let depth = subpasses.iter().find_map(|subpass| subpass.depth).map(|(index, _)| index);
         let described = depth.and_then(|index| attachments.get(index as usize));
+        let first = subpasses.iter().find_map(|subpass| subpass.colors.first().copied().flatten());
+        let first = first.and_then(|index| attachments.get(index as usize));
         let facts = PassFacts {
+            loads_color: first.is_some_and(|color| color.load == vk::AttachmentLoadOp::LOAD),
             clears_depth: described.is_some_and(|depth| depth.load == vk::AttachmentLoadOp::CLEAR),
             stores_depth: described.is_some_and(|depth| depth.store != vk::AttachmentStoreOp::DONT_CARE),
             loads_stencil: described.is_some_and(|depth| {

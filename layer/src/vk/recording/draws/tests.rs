@@ -46,7 +46,7 @@ fn bound_sets_are_noted_once_per_kind_of_draw() {
         open.forget_bound(3, false);
         assert_eq!(count(this, quad), Counted::Done, "nothing is bound");
         open.sets[2].set(77);
-        open.is_bound_anew();
+        open.is_bound_anew(true);
         assert_eq!([count(this, quad), count(this, mesh)], [Counted::ReadsNotNoted; 2]);
         open.noted[0].set(true);
         assert_eq!([count(this, quad), count(this, mesh)], [Counted::Done, Counted::ReadsNotNoted]);
@@ -55,6 +55,31 @@ fn bound_sets_are_noted_once_per_kind_of_draw() {
         assert_eq!(count(this, quad), Counted::ReadsNotNoted);
         open.draws_in(4);
         assert!(open.is_unknown.get(), "of another command buffer nobody saw what is bound");
+    });
+}
+
+#[test]
+fn more_unknown_reads_are_not_noted_again() {
+    let this = vk::CommandBuffer::from_raw(9);
+    let mesh = Counts::of(30, 1);
+    OPEN.with(|open| {
+        open.handle.set(9);
+        open.forget_bound(9, false);
+        open.sets[0].set(77);
+        open.is_bound_anew(false);
+        assert_eq!(count(this, mesh), Counted::ReadsNotNoted);
+        open.noted[1].set(true);
+        open.has_unknown[1].set(true);
+        open.sets[0].set(78);
+        open.is_bound_anew(false);
+        assert_eq!(count(this, mesh), Counted::Done, "another set of unknown content");
+        assert_eq!(count(this, Counts::of(3, 1)), Counted::ReadsNotNoted, "the first quad");
+        open.is_bound_anew(true);
+        assert_eq!(count(this, mesh), Counted::ReadsNotNoted, "a set with attachments");
+        open.noted[1].set(true);
+        open.draws_in(9);
+        open.is_bound_anew(false);
+        assert_eq!(count(this, mesh), Counted::ReadsNotNoted, "another pass");
     });
 }
 
