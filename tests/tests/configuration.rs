@@ -95,6 +95,24 @@ fn an_edit_applies_within_a_second() {
     assert_eq!(picture(&reference, AFTER), picture(&edited, AFTER), "after the edit\n{}", edited.log);
 }
 
+#[test]
+fn an_edit_that_needs_new_swapchains_or_a_restart_is_logged() {
+    const BEFORE: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n[gaze]\nsource = ";
+    let application = Application::hello_xr("Vulkan2").unwrap();
+    let scenario = Scenario::new(150).sized(96, 96).in_real_time().saving(&[30]);
+    for (edited, reason) in [
+        ("\"centre\"\n[chroma]\nmode = \"default\"\n", "takes effect in swapchains that the"),
+        ("\"eyes\"\n", "follows the runtime's eye tracker, which takes effect"),
+    ] {
+        let run = Run::new(&application, &scenario).on(&format!("{BEFORE}\"centre\"\n"));
+        let running = run.start().unwrap();
+        wait_until(|| running.has_submitted(1, 30));
+        std::fs::write(running.config_file(), format!("{BEFORE}{edited}")).unwrap();
+        let outcome = running.finish().unwrap().expect_frames(150).unwrap();
+        assert_eq!(outcome.log.matches(reason).count(), 1, "{reason}: {}", outcome.log);
+    }
+}
+
 pub fn wait_until(mut condition: impl FnMut() -> bool) {
     let start = Instant::now();
     while !condition() {

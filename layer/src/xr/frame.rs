@@ -3,6 +3,7 @@
 mod complete;
 mod debug_view;
 mod depth;
+mod edit;
 mod eye_buffers;
 mod history;
 mod regions;
@@ -12,6 +13,9 @@ mod work;
 pub use complete::sort_ahead;
 pub use debug_view::{DebugViews, draw_over_released};
 pub use eye_buffers::{ShownEyes, analyze_released};
+
+use debug_view::draws_over_released;
+use eye_buffers::analyzes_released;
 pub use history::{History, SortedTiles};
 
 use super::offer::PlacedLayers;
@@ -52,6 +56,9 @@ pub unsafe extern "system" fn wait(
         if let Some(known) = &known {
             let now = Instant::now();
             let is_edited = known.instance.config.poll(now);
+            if is_edited {
+                edit::report(known);
+            }
             let sleep = known.active.as_ref().map(|active| &active.plan.sleep);
             if let Some(sleep) = sleep.filter(|_| is_edited) {
                 sleep.wake();
@@ -114,6 +121,8 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
         let below = || unsafe { (next.end_frame)(handle, info) };
         return guard("xrEndFrame", below, |answer| {
             let _section = known.runtime_section();
+            // SAFETY: in xrEndFrame this thread may use the session's queue.
+            unsafe { swapchain::release_held(known, true) };
             answer.record(below())
         });
     }
@@ -140,8 +149,10 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     // After a panic the runtime's images are still written, with the application's images unchanged.
     let pass_on = || {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
-        if let Some((_, active)) = active {
+        if let Some((session, active)) = active {
             active.worsen_to(Health::CopyOnly);
+            // SAFETY: in xrEndFrame this thread may use the session's queue.
+            attempt("held images", || unsafe { swapchain::release_held(session, true) });
         }
         let deliver = || frame().map_or(Ok(()), |frame| deliver(&frame, &mut FrameReport::default()));
         if guard("the images of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
@@ -151,6 +162,10 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     };
     guard("xrEndFrame", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
+        if let Some((session, _)) = active {
+            // SAFETY: in xrEndFrame this thread may use the session's queue.
+            unsafe { swapchain::release_held(session, false) };
+        }
         let delivered = frame().map_or(Ok(()), |frame| frame.end());
         answer.record(if delivered == Err(Undeliverable) { below_empty() } else { below() })
     })
@@ -194,13 +209,15 @@ impl FrameEnd<'_> {
         active.take_over_decisions(report.decisions);
         plan::frame_ended(active, config, time, &report);
         if let Some(scene) = submission.scene() {
-            plan::views_shown(session, (active, config), time, scene.views, submission.nearest_m());
+            plan::views_shown(session, (active, config), time, &scene, submission.nearest_m());
         }
         let delivered = deliver(self, &mut report);
         eye_buffers::notify_views(self);
         plan::report_unseen(session, (active, config), time, &report);
         if let Some(reporter) = session.reporter.as_ref().filter(|reporter| reporter.is_asked()) {
-            reporter.report(plan::status(session, active, config, &report), Arc::clone(&config.source));
+            let mut status = plan::status(session, active, config, &report);
+            status.attenuates_colour &= !swapchain::are_all_real(session.handle);
+            reporter.report(status, Arc::clone(&config.source));
         }
         plan::fall_asleep(session, (active, config), time, report.untracked_frames);
         delivered
@@ -358,4 +375,9 @@ impl Drop for DegradeOnPanic<'_> {
             });
         }
     }
+}
+
+/// Whether the layer works on released images of a swapchain.
+pub fn uses_released(swapchain: &swapchain::Swapchain) -> bool {
+    analyzes_released(swapchain) || draws_over_released(swapchain)
 }

@@ -8,7 +8,7 @@ use super::dispatch::Next;
 use super::offer::Offer;
 use super::{session, vulkan_activation};
 use crate::abi::{Enablement, attempt, guard};
-use crate::config::{Environment, LiveConfig};
+use crate::config::{Arming, Config, Environment, LiveConfig};
 use crate::registry::Registry;
 use below::Below;
 use extensions::EyeGaze;
@@ -119,10 +119,13 @@ pub unsafe extern "system" fn create(
         let name = text(&info.application_info.application_name);
         let wanted = wanted(&name);
         let (result, eye_gaze) = match &wanted {
-            Some(_) => {
+            Some(config) => {
                 vulkan_activation::activate();
-                // SAFETY: as above.
-                unsafe { create_with_eye_gaze(&below, info, handle) }
+                match asks_for_nothing(&config.snapshot()) {
+                    true => (as_asked(), GazeExtension::Off),
+                    // SAFETY: as above.
+                    false => unsafe { create_with_eye_gaze(&below, info, handle) },
+                }
             }
             None => (as_asked(), GazeExtension::Off),
         };
@@ -146,11 +149,18 @@ fn wanted(name: &str) -> Option<LiveConfig> {
     }
     let config = LiveConfig::new(&environment, Some(name), Instant::now());
     if !config.snapshot().enabled {
-        tracing::info!("OpenXR instance of \"{name}\" inert: enabled = false");
+        tracing::info!(
+            "OpenXR instance of \"{name}\" inert: enabled = false; an edit takes effect after a restart of the application"
+        );
         return None;
     }
     tracing::info!("OpenXR instance of \"{name}\"");
     Some(config)
+}
+
+/// Whether a configuration leaves every call as it is, as it does devices. An edit takes effect after a restart.
+fn asks_for_nothing(config: &Config) -> bool {
+    Arming::of(config) == Arming::Inert && !config.gaze.offer
 }
 
 /// State of `XR_EXT_eye_gaze_interaction`, by its requester.

@@ -54,8 +54,7 @@ impl Session {
         let may_attenuate = config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze();
         let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
         let is_shown = debug_view(config).is_some();
-        let is_judged_late = self.may_judge(config) && self.submits_late();
-        is_healthy && (may_attenuate || is_shown || self.may_reuse(config) || is_judged_late)
+        is_healthy && (may_attenuate || is_shown || self.may_reuse(config))
     }
 
     /// Whether images cannot be used in the call that returns them: draws to them may be submitted later.

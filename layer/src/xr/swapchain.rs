@@ -10,6 +10,7 @@ mod description;
 mod drawn_over;
 mod eligibility;
 mod free;
+mod held_release;
 mod history_memory;
 mod images;
 mod ring;
@@ -18,6 +19,7 @@ mod target;
 
 pub use create::create;
 pub use depth::NewestDepth;
+pub use held_release::release_held;
 pub use images::{acquire_image, enumerate_images, release_image, wait_image};
 pub use ring::Newest;
 pub use substitute::Substitute;
@@ -51,6 +53,8 @@ pub struct Swapchain {
     acquired_images: Mutex<AcquiredImages>,
     drawn_over: Mutex<DrawnOver>,
     depth: Mutex<Depth>,
+    /// The image whose release is held until the frame ends.
+    held: Mutex<Option<u32>>,
     /// The images that the application draws to, once it has them.
     images: Mutex<SmallVec<[vk::Image; 4]>>,
 }
@@ -70,6 +74,7 @@ impl Swapchain {
             acquired_images: Mutex::default(),
             drawn_over: Mutex::default(),
             depth: Mutex::default(),
+            held: Mutex::default(),
             images: Mutex::default(),
         }
     }
@@ -115,10 +120,9 @@ impl Swapchain {
         }
     }
 
-    /// The image that the application returns next, and its format, if it is the runtime's and can be analysed.
-    pub fn readable_image(&self) -> Option<(vk::Image, vk::Format)> {
+    /// The image of that number, and its format, if it is the runtime's and can be analysed.
+    pub fn readable_image(&self, index: u32) -> Option<(vk::Image, vk::Format)> {
         let format = self.description.analyzed_format()?;
-        let index = self.acquired_images().ready()?;
         Some((*self.images().get(index as usize)?, format))
     }
 
@@ -155,6 +159,12 @@ static SWAPCHAINS: Registry<xr::Swapchain, Swapchain> = Registry::new();
 /// The virtual swapchains of a session. Allocates nothing for up to eight.
 pub fn virtual_ones(session: xr::Session) -> SmallVec<[Arc<Swapchain>; 8]> {
     SWAPCHAINS.filter(|swapchain| swapchain.session.handle == session && swapchain.substitute.is_some())
+}
+
+/// Whether a session has swapchains, and none of them is virtual.
+pub fn are_all_real(session: xr::Session) -> bool {
+    let of_session = SWAPCHAINS.filter::<8>(|swapchain| swapchain.session.handle == session);
+    !of_session.is_empty() && of_session.iter().all(|swapchain| swapchain.substitute.is_none())
 }
 
 /// Device memory of the pictures that the virtual swapchains of a session keep for re-use, bytes, and why one of them keeps none.

@@ -38,6 +38,8 @@ struct State {
     has_ours_worked: bool,
     /// Frames since the application attached its action sets without synchronising them.
     waited_frames: u32,
+    /// Whether the application attached its action sets while the configuration asked for no eye tracker.
+    is_tracker_left_out: bool,
 }
 
 /// Whether our action set is attached.
@@ -86,6 +88,11 @@ impl SessionActions {
         self.has_tracker && !matches!(self.state().attachment, Attachment::Never)
     }
 
+    /// Whether a configuration follows the eye tracker, which was left out when the application attached its action sets.
+    pub fn is_tracker_left_out(&self, config: &Config) -> bool {
+        follows_tracker(config) && self.state().is_tracker_left_out
+    }
+
     /// Our action set, if this session wants it attached now.
     pub fn prepare(&self, session: &Session, config: &Config) -> Option<GazeAction> {
         let is_wanted = session.active.is_some()
@@ -109,7 +116,9 @@ impl SessionActions {
         match state.attachment {
             Attachment::Not if result.into_raw() >= 0 => {
                 state.attachment = Attachment::Never;
-                if self.has_tracker && follows_tracker(&session.instance.config.snapshot()) {
+                let is_followed = follows_tracker(&session.instance.config.snapshot());
+                state.is_tracker_left_out = self.has_tracker && !is_followed;
+                if self.has_tracker && is_followed {
                     tracing::info!(
                         "no eye tracker in this session: the application attached its action sets before the layer could add one"
                     );

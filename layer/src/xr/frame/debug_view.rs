@@ -93,30 +93,33 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
     unsafe { draw_over(active, config, session.gaze.dot_deg(), pictures.collect()) };
 }
 
-/// Draws over the eye buffers in the image that the application is about to return to the runtime.
+/// Whether a debug view is drawn over released images of a swapchain.
+pub fn draws_over_released(swapchain: &Swapchain) -> bool {
+    let Some(active) = &swapchain.session().active else { return false };
+    let config = active.plan.config();
+    debug_view(&config).is_some()
+        && is_wanted(active, &config)
+        && active.shown_eyes().of(swapchain.handle).iter().any(Option::is_some)
+}
+
+/// Draws over the eye buffers in the image of that number, which is about to be returned to the runtime.
 ///
 /// # Safety
 ///
-/// This thread may use the session's queue; the application's draws to the image that `swapchain` returns next are submitted.
-pub unsafe fn draw_over_released(swapchain: &Swapchain) {
+/// This thread may use the session's queue; the application's draws to the image are submitted.
+pub unsafe fn draw_over_released(swapchain: &Swapchain, index: u32) {
     let session = swapchain.session();
-    let Some(active) = &session.active else { return };
+    let Some(active) = session.active.as_ref().filter(|_| draws_over_released(swapchain)) else { return };
     let config = active.plan.config();
-    if debug_view(&config).is_none() || !is_wanted(active, &config) {
-        return;
-    }
     let shown = active.shown_eyes().of(swapchain.handle);
-    if shown.iter().all(Option::is_none) {
-        return;
-    }
     let Some(tools) = active.tools() else { return };
     let _degrade = super::DegradeOnPanic(active);
     let (extent, array_layers) = swapchain.extent_and_layers();
-    swapchain.draw_over(&tools.gpu, |runtime, runtime_index| {
+    swapchain.draw_over(&tools.gpu, |runtime| {
         let pictures = shown.into_iter().enumerate().filter_map(|(eye, shown)| {
             let shown = shown?;
             let rect = rect_within(&shown.sub_image, &Images { extent, array_layers, is_unit_range: true })?;
-            Some(EyePicture { eye, shown, runtime, runtime_index, rect })
+            Some(EyePicture { eye, shown, runtime, runtime_index: index, rect })
         });
         // SAFETY: this thread may use the queue, and work that draws to the image is submitted, as `# Safety` demands.
         unsafe { draw_over(active, &config, session.gaze.dot_deg(), pictures.collect()) };

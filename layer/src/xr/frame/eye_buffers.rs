@@ -1,7 +1,8 @@
 //! The finished eye buffers of a frame: the Vulkan half measures their contrast.
 //!
 //! Pictures of virtual swapchains are analysed at the end of the frame, once they are written. Pictures of other swapchains are analysed in
-//! the call that returns their image, because the image is the runtime's after it: their places are known from the frames before.
+//! the call that returns their image, because the image is the runtime's after it: their places are known from the frames before. In an
+//! application that submits late, that call is held until the frame ends.
 
 use super::FrameEnd;
 use super::regions::{Images, rect_within};
@@ -120,24 +121,32 @@ pub unsafe fn analyze_written(frame: &FrameEnd, works: &[Work]) {
     }
 }
 
-/// Has the eye buffers analysed that are in the image that the application is about to return to the runtime.
+/// The eye buffers of a swapchain whose contrast counts. Without a view, as of a flat layer or beside a second projection layer, none does.
+fn analyzed(swapchain: &Swapchain, active: &Active, config: &Config) -> [Option<ShownEye>; 2] {
+    match counts(active, config) {
+        true => active.shown_eyes().of(swapchain.handle).map(|eye| eye.filter(|eye| eye.has_view)),
+        false => [None; 2],
+    }
+}
+
+/// Whether released images of a swapchain are analysed.
+pub fn analyzes_released(swapchain: &Swapchain) -> bool {
+    let Some(active) = &swapchain.session().active else { return false };
+    analyzed(swapchain, active, &active.plan.config()).iter().any(Option::is_some)
+}
+
+/// Has the eye buffers analysed that are in the image of that number, which is about to be returned to the runtime.
 ///
 /// # Safety
 ///
-/// This thread may use the session's queue; the application's draws to the image that `swapchain` returns next are submitted.
-pub unsafe fn analyze_released(swapchain: &Swapchain) {
+/// This thread may use the session's queue; the application's draws to the image are submitted.
+pub unsafe fn analyze_released(swapchain: &Swapchain, index: u32) {
     let Some(active) = &swapchain.session().active else { return };
     let config = active.plan.config();
-    if !counts(active, &config) {
-        return;
-    }
     let _degrade = super::DegradeOnPanic(active);
-    // Without a view, as of a flat layer or beside a second projection layer, its contrast would not count.
-    let shown = active.shown_eyes().of(swapchain.handle).map(|eye| eye.filter(|eye| eye.has_view));
-    let Some((image, format)) = swapchain.readable_image().filter(|_| shown.iter().any(Option::is_some))
-    else {
-        return;
-    };
+    let shown = analyzed(swapchain, active, &config);
+    let is_any = shown.iter().any(Option::is_some);
+    let Some((image, format)) = swapchain.readable_image(index).filter(|_| is_any) else { return };
     let (extent, array_layers) = swapchain.extent_and_layers();
     for (eye, shown) in (0..2).zip(shown) {
         let Some(ShownEye { sub_image, .. }) = shown else { continue };

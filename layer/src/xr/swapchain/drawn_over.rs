@@ -16,10 +16,8 @@ pub enum DrawnOver {
 }
 
 impl Swapchain {
-    /// Calls `draw` with the runtime's images, and which of them the application is about to return; where nothing may be drawn over them,
-    /// that is logged once.
-    pub fn draw_over<T>(&self, gpu: &Arc<Gpu>, draw: impl FnOnce(&RuntimeImages, u32) -> T) -> Option<T> {
-        let index = self.acquired_images().ready()?;
+    /// Calls `draw` with the runtime's images; where nothing may be drawn over them, that is logged once.
+    pub fn draw_over<T>(&self, gpu: &Arc<Gpu>, draw: impl FnOnce(&RuntimeImages) -> T) -> Option<T> {
         let is_new = matches!(*self.drawn_over(), DrawnOver::Unknown);
         if is_new {
             // Made without the lock, which is not held across calls down.
@@ -27,7 +25,7 @@ impl Swapchain {
             *self.drawn_over() = made;
         }
         match &*self.drawn_over() {
-            DrawnOver::Available(images) => Some(draw(images, index)),
+            DrawnOver::Available(images) => Some(draw(images)),
             DrawnOver::Unknown | DrawnOver::Unavailable => None,
         }
     }
