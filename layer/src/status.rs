@@ -43,6 +43,8 @@ struct Shared {
     snapshot: Mutex<StatusSnapshot>,
     settings: Mutex<Arc<Settings>>,
     is_asked: AtomicBool,
+    /// Whether the last status could not be written.
+    has_failed: AtomicBool,
 }
 
 impl StatusReporter {
@@ -62,6 +64,7 @@ impl StatusReporter {
             snapshot: Mutex::default(),
             settings: Mutex::new(settings),
             is_asked: AtomicBool::new(true),
+            has_failed: AtomicBool::new(false),
         });
         let theirs = shared.clone();
         let write = move || {
@@ -128,8 +131,17 @@ impl Shared {
         status.settings = self.settings.lock().unwrap_or_else(PoisonError::into_inner).as_ref().clone();
         let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         match &*file {
-            // A full or missing file system: a reader sees that the file is not updated.
-            Some(file) => file.write(status).is_ok(),
+            Some(file) => {
+                // A full disk may have room again.
+                match file.write(status) {
+                    Ok(()) => self.has_failed.store(false, Ordering::Relaxed),
+                    Err(error) if !self.has_failed.swap(true, Ordering::Relaxed) => {
+                        tracing::warn!("parafovea status does not show this session for now: {error}");
+                    }
+                    Err(_) => {}
+                }
+                true
+            }
             None => false,
         }
     }
@@ -160,6 +172,11 @@ mod tests {
         }
         assert_eq!(read()[0].status.application, "game");
         assert_eq!(read()[0].status.settings, settings);
+        // A user tidies up.
+        std::fs::remove_dir_all(environment.status_folder().unwrap()).unwrap();
+        while read().is_empty() {
+            sleep(Duration::from_millis(10));
+        }
         drop(reporter);
         assert_eq!(read(), []);
     }

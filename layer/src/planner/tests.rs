@@ -53,7 +53,7 @@ impl Session {
             fov,
         });
         planner.views.located(&views);
-        planner.views.shown(&views.map(|view| ShownView { view, extent: [512, 512] }));
+        planner.views.shown(Some(1), &views.map(|view| ShownView { view, extent: [512, 512] }));
         Self { planner, config, serial: 0, time_ns: 0, head: Quat::IDENTITY }
     }
 

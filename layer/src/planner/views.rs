@@ -52,10 +52,10 @@ pub fn head_of(views: impl IntoIterator<Item = Quat>) -> Option<Quat> {
 pub struct Views {
     eyes: [Eye; 2],
     nearest_m: Option<f32>,
-    /// Position of the head in the space in which the application locates its views, metres.
-    head: Option<Vec3>,
-    /// Its position in the frame before.
-    last_head: Option<Vec3>,
+    /// The space of the projection layer, if that rests in the world, and the head's position there, metres.
+    head: Option<(u64, Vec3)>,
+    /// The same of the frame before.
+    last_head: Option<(u64, Vec3)>,
     /// Distance that it moved within the last frame, metres.
     moved_m: f32,
     /// Whether re-used tiles are followed by their depth.
@@ -64,8 +64,8 @@ pub struct Views {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Eye {
-    located: Option<Fov>,
-    shown: Option<ShownFov>,
+    located: Option<Shape>,
+    shown: Option<ShownShape>,
     /// In the space of the head.
     orientation: Quat,
     /// In the space of the head, whose origin is in the middle of both, metres.
@@ -81,19 +81,27 @@ struct Eye {
 /// more often.
 const SETTLED_FRAMES: u32 = 60;
 
-/// The field of view that a projection layer showed.
+/// The shape of a view, relative to the head.
 #[derive(Clone, Copy, Debug)]
-struct ShownFov {
+struct Shape {
     fov: Fov,
+    orientation: Quat,
+}
+
+/// The shape that a projection layer showed.
+#[derive(Clone, Copy, Debug)]
+struct ShownShape {
+    shape: Shape,
     /// The answer of xrLocateViews then.
-    located: Option<Fov>,
+    located: Option<Shape>,
 }
 
 impl Views {
     /// A frame begins.
     pub fn frame_begins(&mut self) {
-        let moved = self.head.zip(self.last_head).map(|(head, last)| head.distance(last));
-        self.moved_m = moved.unwrap_or_default();
+        let is_in_one = |((space, _), (last, _)): &((u64, Vec3), (u64, Vec3))| space == last;
+        let heads = self.head.zip(self.last_head).filter(is_in_one);
+        self.moved_m = heads.map_or(0.0, |((_, head), (_, last))| head.distance(last));
         self.last_head = self.head;
     }
 
@@ -118,22 +126,26 @@ impl Views {
         let views = &views[..views.len().min(2)];
         let Some(head) = head_of(views.iter().map(|view| view.orientation)) else { return };
         let middle = middle_of(views.iter());
-        self.head = Some(middle);
         for (eye, view) in self.eyes.iter_mut().zip(views) {
-            eye.located = Some(view.fov);
+            eye.located = Some(Shape { fov: view.fov, orientation: head.inverse() * view.orientation });
             eye.place(head, middle, view);
             eye.settle();
         }
     }
 
-    /// A projection layer shows these views.
-    pub fn shown(&mut self, views: &[ShownView]) {
+    /// A projection layer shows these views in a space, which is missing unless it rests in the world.
+    ///
+    /// Applications may locate their views relative to the head (Unreal), where it never moves, and show views of another orientation (xrizer
+    /// makes canted ones parallel).
+    pub fn shown(&mut self, space: Option<u64>, views: &[ShownView]) {
         let views = &views[..views.len().min(2)];
         let Some(head) = head_of(views.iter().map(|shown| shown.view.orientation)) else { return };
         let middle = middle_of(views.iter().map(|shown| &shown.view));
+        self.head = space.map(|space| (space, middle));
         self.eyes[views.len()..].fill(Eye::default());
         for (eye, ShownView { view, extent }) in self.eyes.iter_mut().zip(views) {
-            eye.shown = Some(ShownFov { fov: view.fov, located: eye.located });
+            let shape = Shape { fov: view.fov, orientation: head.inverse() * view.orientation };
+            eye.shown = Some(ShownShape { shape, located: eye.located });
             if eye.located.is_none() {
                 eye.place(head, middle, view);
             }
@@ -187,7 +199,6 @@ fn middle_of<'a>(views: impl ExactSizeIterator<Item = &'a View>) -> Vec3 {
 
 impl Eye {
     fn place(&mut self, head: Quat, middle: Vec3, view: &View) {
-        self.turn(head.inverse() * view.orientation);
         let position = head.inverse() * (view.position - middle);
         // A NaN is kept: the models refuse it.
         let apart = self.position.distance(position);
@@ -197,8 +208,7 @@ impl Eye {
     }
 
     fn turn(&mut self, orientation: Quat) {
-        // Twice the length of the vector part is the angle: exact where arc cosines are not.
-        let apart = (self.orientation.inverse() * orientation).xyz().length() * 2.0;
+        let apart = angle(self.orientation, orientation);
         // A NaN is kept: the planner refuses it.
         if apart.is_nan() || apart >= TREMOR {
             self.orientation = orientation;
@@ -222,14 +232,18 @@ impl Eye {
 
     /// The application's submission counts more than the located views, as long as it does not change.
     fn settle(&mut self) {
-        let fov = match (self.located, self.shown) {
-            (Some(located), Some(shown)) if shown.located.is_some_and(|then| is_same(located, then)) => {
-                shown.fov
+        let is_located_so = |located: Shape| {
+            move |then: Shape| {
+                is_same(located.fov, then.fov) && angle(located.orientation, then.orientation) < TREMOR
             }
+        };
+        let Shape { fov, orientation } = match (self.located, self.shown) {
+            (Some(located), Some(shown)) if shown.located.is_some_and(is_located_so(located)) => shown.shape,
             (Some(located), _) => located,
-            (None, Some(shown)) => shown.fov,
+            (None, Some(shown)) => shown.shape,
             (None, None) => return,
         };
+        self.turn(orientation);
         // The plan's first row is the top, whichever way up a picture is.
         let fov = if fov.up < fov.down { Fov { up: fov.down, down: fov.up, ..fov } } else { fov };
         if !self.fov.is_some_and(|kept| is_same(kept, fov)) {
@@ -247,6 +261,12 @@ impl Eye {
             refresh: false,
         }
     }
+}
+
+/// The angle between two orientations, radians, if it is small.
+fn angle(a: Quat, b: Quat) -> f32 {
+    // Twice the length of the vector part: exact where arc cosines are not.
+    (a.inverse() * b).xyz().length() * 2.0
 }
 
 fn is_same(a: Fov, b: Fov) -> bool {

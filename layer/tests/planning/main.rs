@@ -49,7 +49,7 @@ fn frame(planner: &mut SessionPlanner, config: &Config, number: i64) -> bool {
     let is_planned = planner.plan(config, true, head, time_ns);
     let is_new = is_planned && planner.new_rates(config, || number as u64).is_some();
     let side = 800 + (100.0 * wobble) as u32;
-    planner.views.shown(&views.map(|view| ShownView { view, extent: [side, side] }));
+    planner.views.shown(Some(1), &views.map(|view| ShownView { view, extent: [side, side] }));
     is_new
 }
 

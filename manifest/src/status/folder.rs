@@ -35,7 +35,7 @@ impl StatusFile {
     /// The folder cannot be made, or belongs to another user.
     pub fn new(environment: &Environment, pid: u32) -> io::Result<Option<Self>> {
         let Some(folder) = environment.status_folder() else { return Ok(None) };
-        DirBuilder::new().recursive(true).mode(0o700).create(&folder)?;
+        make(&folder)?;
         let metadata = fs::symlink_metadata(&folder)?;
         let above = folder.parent().map(fs::metadata).transpose()?;
         if !metadata.is_dir() || above.is_some_and(|above| above.uid() != metadata.uid()) {
@@ -49,14 +49,23 @@ impl StatusFile {
         Ok(Some(Self { path, next: folder.join(format!(".{pid}")), requests }))
     }
 
-    /// Replaces the last status by `status`: readers see the one or the other, never a part.
+    /// Replaces the last status by `status`: readers see the one or the other, never a part. A folder that was removed is made again.
     ///
     /// # Errors
     /// The file system refuses.
     pub fn write(&self, status: &Status) -> io::Result<()> {
         let text = serde_json::to_vec(status)?;
-        private_file::replace(&self.path, &self.next, &text)
+        let replace = || private_file::replace(&self.path, &self.next, &text);
+        replace().or_else(|error| match self.path.parent() {
+            Some(folder) if error.kind() == io::ErrorKind::NotFound => make(folder).and_then(|()| replace()),
+            _ => Err(error),
+        })
     }
+}
+
+/// Makes a folder that only this user may read, if it is missing.
+fn make(folder: &Path) -> io::Result<()> {
+    DirBuilder::new().recursive(true).mode(0o700).create(folder)
 }
 
 impl Drop for StatusFile {

@@ -62,7 +62,9 @@ fn maps(eyes: [&Eye; 2], preset: Preset) -> Option<[Map; 2]> {
     let extents = eyes.map(|eye| eye.picture.extent());
     let mut planner = SessionPlanner::new(Capabilities::from(&offer));
     planner.views.located(&views);
-    planner.views.shown(&[0, 1].map(|index: usize| ShownView { view: views[index], extent: extents[index] }));
+    planner
+        .views
+        .shown(Some(1), &[0, 1].map(|index: usize| ShownView { view: views[index], extent: extents[index] }));
     planner.frame_begins(0, 1);
     if !planner.plan(&config, false, Quat::IDENTITY, 0) {
         return None;

@@ -186,7 +186,7 @@ impl Rings {
         let view = View { position: Vec3::ZERO, orientation: Quat::IDENTITY, fov };
         let mut planner = SessionPlanner::new(Capabilities::from(&offer));
         planner.views.located(&[view; 2]);
-        planner.views.shown(&[ShownView { view, extent: [size; 2] }; 2]);
+        planner.views.shown(Some(1), &[ShownView { view, extent: [size; 2] }; 2]);
         planner.frame_begins(0, 1);
         assert!(planner.plan(&config, false, Quat::IDENTITY, 0));
         let record = planner.new_rates(&config, || 1).unwrap();

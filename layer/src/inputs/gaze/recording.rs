@@ -4,8 +4,8 @@
 
 use super::script::GazeLine;
 use glam::Vec3;
-use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Write};
+use std::fs::OpenOptions;
+use std::io::{BufWriter, ErrorKind, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
@@ -24,17 +24,22 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Begins a recording, in a new file that only this user may read.
+    /// Begins a recording, in a new file that only this user may read. The file is created with its first line: OpenVR games by xrizer and
+    /// OpenComposite have a short session before the one that they play in, without a frame.
     ///
     /// # Errors
     ///
-    /// The file exists already, or cannot be created; or the thread cannot be started.
+    /// The file exists already, or its folder does not; or the thread cannot be started.
     pub fn create(path: &Path) -> std::io::Result<Self> {
-        let file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(path)?;
+        if path.symlink_metadata().is_ok() {
+            return Err(ErrorKind::AlreadyExists.into());
+        }
+        path.parent().filter(|folder| !folder.as_os_str().is_empty()).map(Path::metadata).transpose()?;
         let (lines, waiting) = sync_channel(MOST_WAITING);
+        let path = path.to_owned();
         let writer = std::thread::Builder::new()
             .name("parafovea-gaze".to_owned())
-            .spawn(move || write(file, &waiting))?;
+            .spawn(move || write(&path, &waiting))?;
         Ok(Self { lines: Some(lines), writer: Some(writer), newest: None })
     }
 
@@ -63,15 +68,16 @@ impl Drop for Recording {
     }
 }
 
-fn write(file: File, lines: &Receiver<GazeLine>) {
-    let mut file = BufWriter::new(file);
-    let head = "# seconds, degrees left, degrees up; seconds alone: lost eyes\n";
-    if let Err(error) = file.write_all(head.as_bytes()).and_then(|()| write_lines(&mut file, lines)) {
-        tracing::error!("recording of the gaze ended: {error}");
+fn write(path: &Path, lines: &Receiver<GazeLine>) {
+    if let Err(error) = write_lines(path, lines) {
+        tracing::error!("recording of the gaze to {path:?} ended: {error}");
     }
 }
 
-fn write_lines(file: &mut BufWriter<File>, lines: &Receiver<GazeLine>) -> std::io::Result<()> {
+fn write_lines(path: &Path, lines: &Receiver<GazeLine>) -> std::io::Result<()> {
+    let Ok(first) = lines.recv() else { return Ok(()) };
+    let mut file = BufWriter::new(OpenOptions::new().write(true).create_new(true).mode(0o600).open(path)?);
+    writeln!(file, "# seconds, degrees left, degrees up; seconds alone: lost eyes\n{first}")?;
     loop {
         let line = match lines.try_recv() {
             Ok(line) => line,
@@ -113,6 +119,18 @@ mod tests {
         assert!(script.at(0.1).unwrap().abs_diff_eq(look.normalize(), 1e-6));
         assert_eq!(script.at(0.2), None);
         assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+    }
+
+    #[test]
+    fn a_session_without_frames_leaves_the_file_to_the_next() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("gaze.csv");
+        drop(Recording::create(&path).unwrap());
+        let mut recording = Recording::create(&path).unwrap();
+        recording.note(0.0, Some(Vec3::NEG_Z));
+        drop(recording);
+        assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 2);
+        assert!(Recording::create(&folder.path().join("no/gaze.csv")).is_err());
     }
 
     #[test]

@@ -1,5 +1,7 @@
 use super::*;
 
+const SPACE: Option<u64> = Some(7);
+
 const FOV: Fov = Fov { left: -0.9, right: 0.7, up: 0.8, down: -0.8 };
 
 fn canted(head: Quat) -> [View; 2] {
@@ -17,7 +19,7 @@ fn shown(views: [View; 2], extent: [u32; 2]) -> [ShownView; 2] {
 fn known() -> Views {
     let mut views = Views::default();
     views.located(&canted(Quat::IDENTITY));
-    views.shown(&shown(canted(Quat::IDENTITY), [1000, 900]));
+    views.shown(SPACE, &shown(canted(Quat::IDENTITY), [1000, 900]));
     views
 }
 
@@ -31,9 +33,9 @@ fn nothing_is_known_before_something_was_shown() {
     assert!(views.eyes().is_none());
     views.located(&canted(Quat::IDENTITY));
     assert!(views.eyes().is_none());
-    views.shown(&[]);
+    views.shown(SPACE, &[]);
     assert!(views.eyes().is_none());
-    views.shown(&shown(canted(Quat::IDENTITY), [1000, 900]));
+    views.shown(SPACE, &shown(canted(Quat::IDENTITY), [1000, 900]));
     assert_eq!(views.eyes().unwrap()[1].extent, [1000, 900]);
 }
 
@@ -46,7 +48,7 @@ fn a_turning_head_that_trembles_leaves_the_eyes_as_they_are() {
         let mut located = canted(if step % 2 == 0 { head } else { -head });
         located[0].fov.left += 1e-4 * (step as f32).sin();
         views.located(&located);
-        views.shown(&shown(located, [1000, 900]));
+        views.shown(SPACE, &shown(located, [1000, 900]));
     }
     for (before, after) in before.iter().zip(views.eyes().unwrap()) {
         assert_eq!((before.fov, before.orientation), (after.fov, after.orientation));
@@ -80,8 +82,11 @@ fn a_head_that_moves_makes_what_is_near_drift() {
         |x: f32| canted(Quat::IDENTITY).map(|view| View { position: view.position + Vec3::X * x, ..view });
     views.frame_begins();
     assert_eq!(views.drift_arcmin(), 0.0, "nothing is known");
+    let show = |views: &mut Views, space, x: f32| views.shown(space, &shown(at(x), [1000, 900]));
     for frame in 0..4 {
-        views.located(&at(0.002 * frame as f32));
+        // An application may locate its views relative to the head.
+        views.located(&at(0.0));
+        show(&mut views, SPACE, 0.002 * frame as f32);
         views.frame_begins();
     }
     // 2 mm at 0.4 m.
@@ -93,10 +98,16 @@ fn a_head_that_moves_makes_what_is_near_drift() {
     for (x, is_followed, expected) in
         [(0.046, true, 0.0), (0.086, false, 68.75), (0.126, true, 0.0), (0.226, true, 171.7)]
     {
-        views.located(&at(x));
+        show(&mut views, SPACE, x);
         views.set_followed(is_followed);
         views.frame_begins();
         assert!((views.drift_arcmin() - expected).abs() < 0.1, "{} at {x}", views.drift_arcmin());
+    }
+    views.set_followed(false);
+    for (space, x) in [(Some(8), 1.0), (None, 2.0), (SPACE, 3.0)] {
+        show(&mut views, space, x);
+        views.frame_begins();
+        assert_eq!(views.drift_arcmin(), 0.0, "in another space");
     }
 }
 
@@ -124,7 +135,7 @@ fn drift_is_followed() {
 fn an_application_that_shows_another_field_of_view_is_believed() {
     let mut views = known();
     let narrow = Fov { left: -0.5, ..FOV };
-    views.shown(&shown(canted(Quat::IDENTITY).map(|view| View { fov: narrow, ..view }), [1000, 900]));
+    views.shown(SPACE, &shown(canted(Quat::IDENTITY).map(|view| View { fov: narrow, ..view }), [1000, 900]));
     views.located(&canted(Quat::IDENTITY));
     assert_eq!(fov(&views), narrow);
     let wider = Fov { left: -1.0, ..FOV };
@@ -133,10 +144,30 @@ fn an_application_that_shows_another_field_of_view_is_believed() {
 }
 
 #[test]
+fn an_application_that_shows_canted_views_parallel_is_believed() {
+    let mut views = known();
+    for step in 0..10 {
+        let head = Quat::from_rotation_y(0.2 * step as f32);
+        views.located(&canted(head));
+        let parallel = canted(head).map(|view| View { orientation: head, ..view });
+        views.shown(SPACE, &shown(parallel, [1000, 900]));
+        views.located(&canted(head * Quat::from_rotation_x(0.1)));
+        assert!(angle(views.orientation(0), Quat::IDENTITY) < TREMOR);
+    }
+    views.located(&[0.2f32, -0.2].map(|cant| View {
+        orientation: Quat::from_rotation_y(cant),
+        position: Vec3::ZERO,
+        fov: FOV,
+    }));
+    let angle = angle(views.orientation(0), Quat::from_rotation_y(0.2));
+    assert!(angle < TREMOR, "until the headset has another cant");
+}
+
+#[test]
 fn pictures_that_are_upside_down_have_the_same_plan() {
     let mut views = known();
     let flipped = Fov { up: FOV.down, down: FOV.up, ..FOV };
-    views.shown(&shown(canted(Quat::IDENTITY).map(|view| View { fov: flipped, ..view }), [1000, 900]));
+    views.shown(SPACE, &shown(canted(Quat::IDENTITY).map(|view| View { fov: flipped, ..view }), [1000, 900]));
     assert_eq!(fov(&views), FOV);
 }
 
@@ -150,7 +181,7 @@ fn dynamic_resolution_keeps_the_tiles() {
         ([900, 800], [500, 450]),
         ([1000, 900], [1000, 900]),
     ] {
-        views.shown(&shown(canted(Quat::IDENTITY), extent));
+        views.shown(SPACE, &shown(canted(Quat::IDENTITY), extent));
         assert_eq!(views.eyes().unwrap()[0].extent, expected, "{extent:?}");
     }
 }
@@ -160,7 +191,7 @@ fn dynamic_resolution_keeps_the_tiles() {
 fn an_extent_that_stays_is_planned_with() {
     let mut views = known();
     let mut show = |extent| {
-        views.shown(&shown(canted(Quat::IDENTITY), extent));
+        views.shown(SPACE, &shown(canted(Quat::IDENTITY), extent));
         views.eyes().unwrap()[0].extent
     };
     for frame in 0..600 {
@@ -174,7 +205,7 @@ fn an_extent_that_stays_is_planned_with() {
 #[test]
 fn one_view_is_the_left_eye() {
     let mut views = known();
-    views.shown(&shown(canted(Quat::IDENTITY), [1000, 900])[..1]);
+    views.shown(SPACE, &shown(canted(Quat::IDENTITY), [1000, 900])[..1]);
     assert_eq!(views.eyes().unwrap().map(|eye| eye.extent), [[1000, 900], [0, 0]]);
 }
 

@@ -7,6 +7,7 @@ use crate::config::{Config, longest_period, wants_reuse};
 use crate::planner::{SessionPlanner, View, Watched};
 use crate::xr::plan::PlanWork;
 use crate::xr::session::{Health, Tools};
+use crate::xr::spaces::rests;
 use crate::xr::submission::Projection;
 use crate::xr::vulkan_device::FrameReport;
 use openxr_sys as xr;
@@ -125,14 +126,15 @@ fn watched(planner: &SessionPlanner, config: &Config) -> [Option<Watched>; 2] {
     [0, 1].map(|eye| planner.watched(eye).filter(|_| is_watched))
 }
 
-/// The eye buffer of a view, where it is in a virtual swapchain.
+/// The eye buffer of a view, where it is in a virtual swapchain and its space rests in the world.
 fn picture<'a, 'b>(
     scene: &Projection<'_>,
     eye: usize,
     time: xr::Time,
     works: &'b Works<'a>,
 ) -> Option<(ShownEyeBuffer, &'b Work<'a>)> {
-    let view = scene.views.get(eye)?;
+    // In a space that moves, the turn of the head is unknown.
+    let view = scene.views.get(eye).filter(|_| rests(scene.space))?;
     let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain)?;
     Some((work.picture(view, scene.space, time)?, work))
 }

@@ -106,8 +106,9 @@ impl History {
     /// Takes the eye buffer (0: left, 1: right) that a frame shows, or none. `is_intact` returns whether the picture of a release is
     /// still intact, and `stale` writes the stale tiles of this one. Its depth comes with it, if that was copied.
     ///
-    /// Returns whether this picture goes on from the one before, in one swapchain and one space: then the next one probably does, too, and can
-    /// be completed.
+    /// Returns whether this is a new picture that goes on from the one before, in one swapchain and one space: then the next one probably does,
+    /// too, and can be completed. After a picture that is shown again, the next one is rendered whole: the schedule counts frames, and an
+    /// application that draws each eye in every other frame would never draw some of its tiles.
     pub fn show(
         &mut self,
         eye: usize,
@@ -301,16 +302,22 @@ impl EyeHistory {
         }
         self.has_moved = goes_on && was_in != Some(shown.space);
         self.of = Some((shown.substitute, shown.space));
-        match self.pictures.first_mut().filter(|_| self.len > 0) {
+        let is_new = match self.pictures.first_mut().filter(|_| self.len > 0) {
             // The same picture again, even if it is submitted with another pose.
-            Some(newest) if newest.release == shown.release => newest.time = shown.time,
-            _ => self.push((shown, depth), stale),
-        }
+            Some(newest) if newest.release == shown.release => {
+                newest.time = shown.time;
+                false
+            }
+            _ => {
+                self.push((shown, depth), stale);
+                true
+            }
+        };
         let earlier = self.pictures[1..self.len].iter();
         let intact = 1 + earlier.take_while(|kept| is_intact(kept.release)).count();
         self.lost = self.len - intact;
         self.keep(intact);
-        goes_on && !self.has_moved
+        goes_on && is_new && !self.has_moved
     }
 
     /// Keeps that many pictures, with their depth if that is still available.

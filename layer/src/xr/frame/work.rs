@@ -69,8 +69,11 @@ impl<'a> Work<'a> {
         self.target.regions.extend(region);
     }
 
-    /// The picture that `view` shows; `None` if its rectangle or orientation is invalid.
+    /// The picture that `view` shows; `None` if its rectangle or orientation is invalid, or if it is upside down, as no plan is.
     pub fn picture(&self, view: &ProjectionView, space: xr::Space, time: xr::Time) -> Option<ShownEyeBuffer> {
+        if view.fov.up < view.fov.down {
+            return None;
+        }
         let rect = rect_within(&view.sub_image, &self.images())?;
         let plane = view.fov.tangents().plane([rect.extent.width, rect.extent.height]);
         Some(ShownEyeBuffer {

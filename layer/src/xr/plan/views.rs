@@ -8,9 +8,11 @@ use crate::inputs::gaze::rotation;
 use crate::planner::{ShownView, View, head_of};
 use crate::xr::offer::GazeSpace;
 use crate::xr::session::{self, Active, Health, Session, Tools};
-use crate::xr::submission::{self, Projection, ProjectionView};
+use crate::xr::spaces::rests;
+use crate::xr::submission::{self, Projection};
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
+use openxr_sys::Handle;
 use smallvec::SmallVec;
 use std::ptr;
 use std::sync::Arc;
@@ -81,6 +83,16 @@ pub unsafe extern "system" fn locate_views(
 /// The application located its views. Of several calls for one frame the first plans it, where the plan waits for it; calls for other
 /// times, of a thread that prepares the next frame, plan nothing.
 fn views_located(session: &Session, active: &Active, info: &xr::ViewLocateInfo, views: &[xr::View]) {
+    let is_of_eyes = matches!(
+        info.view_configuration_type,
+        xr::ViewConfigurationType::PRIMARY_MONO
+            | xr::ViewConfigurationType::PRIMARY_STEREO
+            | xr::ViewConfigurationType::PRIMARY_STEREO_WITH_FOVEATED_INSET
+    );
+    // Of a spectator's camera, for example.
+    if !is_of_eyes {
+        return;
+    }
     let time = info.display_time;
     let views: SmallVec<[View; 4]> = views.iter().filter_map(|view| of_pose(&view.pose, &view.fov)).collect();
     let state = &active.plan;
@@ -93,14 +105,7 @@ fn views_located(session: &Session, active: &Active, info: &xr::ViewLocateInfo, 
         frame.is_located = true;
         Arc::clone(&frame.config)
     };
-    if matches!(
-        info.view_configuration_type,
-        xr::ViewConfigurationType::PRIMARY_MONO
-            | xr::ViewConfigurationType::PRIMARY_STEREO
-            | xr::ViewConfigurationType::PRIMARY_STEREO_WITH_FOVEATED_INSET
-    ) {
-        session.head.views_located(info.space, time, views.iter().map(|view| view.orientation));
-    }
+    session.head.views_located(info.space, time, views.iter().map(|view| view.orientation));
     let is_planned = {
         let mut planner = state.planner();
         planner.views.located(&views);
@@ -119,16 +124,17 @@ fn views_located(session: &Session, active: &Active, info: &xr::ViewLocateInfo, 
     }
 }
 
-/// Projection views are shown at `time`: the frame is planned now if that was not possible before. Nothing is shown that is
+/// A projection layer is shown at `time`: the frame is planned now if that was not possible before. No shown object is
 /// nearer than `nearest_m`, where that is known.
 pub fn views_shown(
     session: &Session,
     (active, config): (&Active, &Arc<ConfigSnapshot>),
     time: xr::Time,
-    views: &[ProjectionView],
+    scene: &Projection<'_>,
     nearest_m: Option<f32>,
 ) {
-    let shown = views.iter().map(|view| {
+    let space = rests(scene.space).then(|| scene.space.into_raw());
+    let shown = scene.views.iter().map(|view| {
         let extent = view.sub_image.image_rect.extent;
         let extent = [extent.width.max(0) as u32, extent.height.max(0) as u32];
         Some(ShownView { view: view.view()?, extent })
@@ -140,7 +146,7 @@ pub fn views_shown(
         if let Some(views) = later {
             planner.views.located(&views);
         }
-        planner.views.shown(&shown);
+        planner.views.shown(space, &shown);
         planner.views.set_nearest(nearest_m);
         planner.is_planned()
     };

@@ -20,7 +20,7 @@ fn thread() -> PlanThread {
     let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
     let thread = PlanThread::new(PlanWork::new(device));
     let shown = ShownView { view: VIEW, extent: [512; 2] };
-    thread.work().planner().views.shown(&[shown; 2]);
+    thread.work().planner().views.shown(Some(1), &[shown; 2]);
     thread
 }
 
