@@ -27,6 +27,9 @@ pub const FLATPAK_HOMES: &str = ".var/app";
 /// The home of Steam's games where Steam is a Flatpak, below `$HOME`.
 pub const FLATPAK_STEAM: &str = ".var/app/com.valvesoftware.Steam";
 
+/// Home of Steam as a snap, below the user's.
+pub const SNAP_STEAM: &str = "snap/steam/common";
+
 /// The variable that containers set to their name (systemd, "Container Interface").
 const CONTAINER_VARIABLE: &str = "container";
 

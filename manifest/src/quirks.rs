@@ -32,7 +32,7 @@ pub struct Quirk {
 /// The layer's answer to a quirk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Only passes that were recognised as the scene get a rate attachment.
+    /// Only passes that were recognised as the scene get a rate attachment in dynamic rendering, and only subpasses with depth.
     AttachOnlyMatched,
     /// Rate attachments have one layer, even if the driver reports layered ones: both eyes share the finer rates.
     FirstLayerOnly,

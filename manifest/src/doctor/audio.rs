@@ -37,7 +37,9 @@ fn library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> {
 }
 
 fn alsa(surroundings: &Surroundings) -> Option<Finding> {
-    surroundings.library("libasound.so.2").is_none().then(|| {
+    // NixOS and Guix have libraries in other folders, which are not searched.
+    let is_elsewhere = surroundings.library("libvulkan.so.1").is_none() && surroundings.probed.vulkan.is_ok();
+    (!is_elsewhere && surroundings.library("libasound.so.2").is_none()).then(|| {
         Finding::problem(
             "no-alsa",
             "the system has no ALSA library (libasound.so.2)",

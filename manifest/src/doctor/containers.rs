@@ -8,7 +8,7 @@ use super::{Finding, Surroundings};
 use crate::config::offers_gaze;
 use crate::install::plan_install;
 use crate::json::Half;
-use crate::paths::FLATPAK_STEAM;
+use crate::paths::{FLATPAK_STEAM, SNAP_STEAM};
 use std::path::Path;
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
@@ -26,6 +26,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
     }
     let has_steam = [".steam", ".local/share/Steam"].iter().any(|folder| home.join(folder).exists());
     findings.extend(flatpak_steam(surroundings, &home.join(FLATPAK_STEAM)));
+    findings.extend(snap_steam(&home.join(SNAP_STEAM)));
     if has_steam {
         let mut variables = vec!["PARAFOVEA=1"];
         // The first manifest is the one that counts.
@@ -78,4 +79,17 @@ fn flatpak_steam(surroundings: &Surroundings, steam: &Path) -> Option<Finding> {
         "XDG_DATA_HOME={} parafovea install; so that your settings apply there: flatpak override --user --filesystem=xdg-config/parafovea:ro com.valvesoftware.Steam",
         data.display()
     )))
+}
+
+/// Steam as a snap, which sees neither the user's home nor the layers of the system.
+fn snap_steam(steam: &Path) -> Option<Finding> {
+    let is_there = || Half::BOTH.iter().all(|half| half.manifest_path(&steam.join(".local/share")).is_file());
+    (steam.exists() && !is_there()).then(|| {
+        Finding::warning(
+            "snap-steam",
+            "Steam is installed as a snap",
+            "Its games see neither your home nor the layers of the system, so Parafovea is not loaded.",
+        )
+        .advise("use Valve's package of Steam, whose games find it")
+    })
 }

@@ -22,6 +22,11 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
         Some(path) => by_version(&path, "OpenXR", OLDEST_OPENXR, "It may skip some layers."),
     };
     let vulkan = match surroundings.library("libvulkan.so.1") {
+        None if surroundings.probed.vulkan.is_ok() => Finding::note(
+            "vulkan-loader-elsewhere",
+            "the Vulkan loader is outside of the usual folders of libraries",
+            "Its version is not checked.",
+        ),
         None => Finding::problem(
             "no-vulkan-loader",
             "the system has no Vulkan loader (libvulkan.so.1)",

@@ -236,3 +236,14 @@ fn steam_gets_its_launch_options() {
         advice(&machine)
     );
 }
+
+#[test]
+fn libraries_in_other_folders_are_no_problem() {
+    let machine = Machine::new();
+    for library in ["libvulkan.so.1", "libvulkan.so.1.3.239", "libasound.so.2", "libasound.so.2.0.0"] {
+        machine.remove(&machine.path("usr/lib").join(library));
+    }
+    let findings = machine.findings();
+    let problems: Vec<_> = findings.iter().filter(|finding| finding.severity == Severity::Problem).collect();
+    assert!(problems.is_empty(), "{problems:?}");
+}

@@ -34,8 +34,8 @@ const RDNA2_AND_LATER: &[&str] = &[
 pub const QUIRKS: [Quirk; 4] = [
     Quirk {
         name: "attach-only-matched",
-        doc: "rate attachments in dynamic rendering for recognised render passes only, because each use costs a dispatch \
-              and two flushes",
+        doc: "rate attachments in dynamic rendering for recognised render passes only, and in subpasses with depth only, \
+              because each use costs a dispatch and two flushes",
         driver: RADV,
         devices: RDNA2,
         fixed_in: None,

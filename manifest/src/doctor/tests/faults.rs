@@ -98,6 +98,12 @@ const FAULTS: &[Fault] = &[
         false,
     ),
     (
+        "Steam as a snap",
+        |machine| fs::create_dir_all(machine.path("home/snap/steam/common")).unwrap(),
+        &["snap-steam"],
+        false,
+    ),
+    (
         "a folder that is searched twice",
         |machine| {
             let data = machine.path("home/.local/share");
@@ -149,8 +155,11 @@ const FAULTS: &[Fault] = &[
     ),
     (
         "no Vulkan loader",
-        |machine| machine.remove(&machine.path("usr/lib/libvulkan.so.1")),
-        &["no-vulkan-loader"],
+        |machine| {
+            machine.remove(&machine.path("usr/lib/libvulkan.so.1"));
+            machine.probed.vulkan = Err("libvulkan.so.1: cannot open shared object file".to_owned());
+        },
+        &["no-vulkan-loader", "cannot-check"],
         false,
     ),
     (
