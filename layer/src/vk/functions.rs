@@ -223,6 +223,9 @@ macro_rules! armed_functions {
             cmd_pipeline_barrier2: PFN_vkCmdPipelineBarrier2 = c"vkCmdPipelineBarrier2"
                 since API_VERSION_1_3, before c"vkCmdPipelineBarrier2KHR" => image_layouts::pipeline_barrier2;
 
+            cmd_set_event: PFN_vkCmdSetEvent = c"vkCmdSetEvent" => pending::set_event;
+            cmd_set_event2: PFN_vkCmdSetEvent2 = c"vkCmdSetEvent2"
+                since API_VERSION_1_3, before c"vkCmdSetEvent2KHR" => pending::set_event2;
             cmd_wait_events: PFN_vkCmdWaitEvents = c"vkCmdWaitEvents" => pending::wait_events;
             cmd_wait_events2: PFN_vkCmdWaitEvents2 = c"vkCmdWaitEvents2"
                 since API_VERSION_1_3, before c"vkCmdWaitEvents2KHR" => pending::wait_events2;

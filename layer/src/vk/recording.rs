@@ -301,9 +301,8 @@ impl Recorded {
             .pipelines
             .map(|facts| PipelineFacts { returns: EarlyReturnSupport::default(), ..facts });
         self.add(Within { pipelines, ..secondary.within });
-        if self.is_within_pass() {
-            self.tally.execute(&secondary.tally);
-        }
+        // Of the pass that is open here, or continued by this buffer, a secondary too; of others, none are left.
+        self.tally.execute(&secondary.tally);
         self.viewports.execute(&secondary.viewports, secondary.tally.counts());
         self.drawing.forget();
         self.offsets.forget_offsets();

@@ -162,6 +162,20 @@ impl Scene {
         unsafe { gpu.update_descriptor_sets(&[write], &[]) };
     }
 
+    /// Gives a set a storage image in GENERAL, at binding 8.
+    pub fn with_storage_image(&self, gpu: &Gpu, set: vk::DescriptorSet, image: &Image) {
+        let info = [vk::DescriptorImageInfo::default()
+            .image_view(image.view)
+            .image_layout(vk::ImageLayout::GENERAL)];
+        let write = vk::WriteDescriptorSet::default()
+            .dst_set(set)
+            .dst_binding(8)
+            .descriptor_type(vk::DescriptorType::STORAGE_IMAGE)
+            .image_info(&info);
+        // SAFETY: as above.
+        unsafe { gpu.update_descriptor_sets(&[write], &[]) };
+    }
+
     /// Gives a set an input attachment, at binding 7.
     pub fn with_input(&self, gpu: &Gpu, set: vk::DescriptorSet, image: &Image) {
         let info = [vk::DescriptorImageInfo::default()
@@ -284,8 +298,8 @@ impl Scene {
     }
 }
 
-/// One layout for the sets of all shaders: the uniforms, four textures, a sampler, a storage buffer and an input
-/// attachment. Bindings that a shader does not use are not written.
+/// One layout for the sets of all shaders: the uniforms, four textures, a sampler, a storage buffer, an input
+/// attachment and a storage image. Bindings that a shader does not use are not written.
 fn set_layout(gpu: &Gpu) -> Result<vk::DescriptorSetLayout> {
     let binding = |number, ty, stages| {
         vk::DescriptorSetLayoutBinding::default()
@@ -294,19 +308,15 @@ fn set_layout(gpu: &Gpu) -> Result<vk::DescriptorSetLayout> {
             .descriptor_count(1)
             .stage_flags(stages)
     };
-    let fragment = vk::ShaderStageFlags::FRAGMENT;
+    let reads = vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
     let mut bindings = vec![
         binding(0, vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, STAGES),
-        binding(5, vk::DescriptorType::SAMPLER, fragment),
-        binding(
-            6,
-            vk::DescriptorType::STORAGE_BUFFER,
-            vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE,
-        ),
-        binding(7, vk::DescriptorType::INPUT_ATTACHMENT, fragment),
+        binding(5, vk::DescriptorType::SAMPLER, reads),
+        binding(6, vk::DescriptorType::STORAGE_BUFFER, reads),
+        binding(7, vk::DescriptorType::INPUT_ATTACHMENT, vk::ShaderStageFlags::FRAGMENT),
+        binding(8, vk::DescriptorType::STORAGE_IMAGE, vk::ShaderStageFlags::COMPUTE),
     ];
-    bindings
-        .extend((1..=TEXTURES).map(|number| binding(number, vk::DescriptorType::SAMPLED_IMAGE, fragment)));
+    bindings.extend((1..=TEXTURES).map(|number| binding(number, vk::DescriptorType::SAMPLED_IMAGE, reads)));
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
     // SAFETY: the structure outlives the call.
     let layout = unsafe { gpu.create_descriptor_set_layout(&info, None) }?;
@@ -338,6 +348,7 @@ fn pool(gpu: &Gpu) -> Result<vk::DescriptorPool> {
         size(vk::DescriptorType::SAMPLER, 1),
         size(vk::DescriptorType::STORAGE_BUFFER, 1),
         size(vk::DescriptorType::INPUT_ATTACHMENT, 1),
+        size(vk::DescriptorType::STORAGE_IMAGE, 1),
     ];
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
     // SAFETY: the structure outlives the call.

@@ -3,6 +3,7 @@
 mod alpha_to_coverage;
 mod async_compute;
 mod bloom;
+mod compute_upscaled;
 mod deferred;
 mod descriptor_buffers;
 mod descriptor_heaps;
@@ -64,6 +65,7 @@ pub const STYLES: &[&Style] = &[
     &deferred::STYLE,
     &proton::STYLE,
     &upscaled::STYLE,
+    &compute_upscaled::STYLE,
     &viewport_scale::STYLE,
     &distractors::STYLE,
     &reversed_z::STYLE,

@@ -44,7 +44,8 @@ pub struct RateAttachments {
     pub sets_rates_at_bind: bool,
     /// Whether dynamic rendering gets no attachments any more.
     rendering_is_left_alone: AtomicBool,
-    /// Whether dynamic rendering gets an attachment only where its target was recognised as the scene.
+    /// Whether dynamic rendering gets an attachment only where its target was recognised as the scene, and render passes only in subpasses with
+    /// depth.
     attaches_only_matched: bool,
 }
 
@@ -115,8 +116,14 @@ impl RateAttachments {
             let mut copies = Copies::new(&mut room);
             // SAFETY: the structure is valid, as `# Safety` demands, and amended structures of its chain are the call's for its duration.
             let amended = unsafe {
-                render_pass::convert(&*info, &mut copies)
-                    .and_then(|info| render_pass::with_rates(&info, &self.capabilities, &mut copies))
+                render_pass::convert(&*info, &mut copies).and_then(|info| {
+                    render_pass::with_rates(
+                        &info,
+                        &self.capabilities,
+                        self.attaches_only_matched,
+                        &mut copies,
+                    )
+                })
             };
             // SAFETY: the arguments are valid, as `# Safety` demands.
             if let Some(result) = unsafe { self.create_amended((device, allocator, pass), amended, next2) } {
@@ -141,7 +148,9 @@ impl RateAttachments {
             let mut room = room::<256>();
             let mut copies = Copies::new(&mut room);
             // SAFETY: as in `create_render_pass`.
-            let amended = unsafe { render_pass::with_rates(&*info, &self.capabilities, &mut copies) };
+            let amended = unsafe {
+                render_pass::with_rates(&*info, &self.capabilities, self.attaches_only_matched, &mut copies)
+            };
             // SAFETY: as in `create_render_pass`.
             let result = unsafe { self.create_amended((device, allocator, pass), amended, Some(next)) };
             if let Some(result) = result {

@@ -35,6 +35,9 @@ pub enum LeftAlone {
 
 /// The render pass with a rate attachment added, which is loaded, and in the layout for rates throughout.
 ///
+/// With `needs_depth`, only subpasses with depth get it, as the scene's have: there each attachment costs time, even one of 1x1 everywhere.
+/// Compatible render passes have depth in the same subpasses.
+///
 /// # Errors
 ///
 /// Reason why it is left alone.
@@ -45,6 +48,7 @@ pub enum LeftAlone {
 pub unsafe fn with_rates<'c>(
     info: &vk::RenderPassCreateInfo2<'c>,
     capabilities: &RateCapabilities,
+    needs_depth: bool,
     copies: &mut Copies<'_>,
 ) -> Result<(vk::RenderPassCreateInfo2<'c>, AddedRates), LeftAlone> {
     // SAFETY: valid usage demands so many attachments and subpasses.
@@ -56,7 +60,10 @@ pub unsafe fn with_rates<'c>(
         return Err(LeftAlone::OwnRates);
     }
     // SAFETY: as above.
-    if !subpasses.iter().any(|subpass| unsafe { draws_colour(subpass) }) {
+    let may_be_scene = |subpass: &vk::SubpassDescription2<'_>| unsafe {
+        draws_colour(subpass) && (!needs_depth || has_depth(subpass))
+    };
+    if !subpasses.iter().any(may_be_scene) {
         return Err(LeftAlone::NoColour);
     }
     let index = info.attachment_count;
@@ -70,7 +77,8 @@ pub unsafe fn with_rates<'c>(
         .zip(subpasses)
         // SAFETY: as above.
         .map(|(number, subpass)| unsafe {
-            attach((subpass, is_post(number)), reference, capabilities, copies)
+            let is_attached = may_be_scene(subpass) && !is_post(number);
+            attach((subpass, is_attached), reference, capabilities, copies)
         })
         .collect();
     let all: Vec<_> = attachments.iter().copied().chain([rate_attachment()]).collect();
@@ -98,14 +106,13 @@ fn rate_attachment() -> vk::AttachmentDescription2<'static> {
         .final_layout(layout)
 }
 
-/// A subpass that draws colour with the rate attachment, which is given by its number and a reference; another one, or one that processes a
-/// finished picture, preserves its content.
+/// A subpass with the rate attachment, which is given by its number and a reference, if it is to be attached; others preserve its content.
 ///
 /// # Safety
 ///
 /// The subpass is valid.
 unsafe fn attach<'c>(
-    (subpass, is_post): (&vk::SubpassDescription2<'c>, bool),
+    (subpass, is_attached): (&vk::SubpassDescription2<'c>, bool),
     (index, reference): (u32, *const vk::AttachmentReference2<'c>),
     capabilities: &RateCapabilities,
     copies: &mut Copies<'_>,
@@ -113,11 +120,8 @@ unsafe fn attach<'c>(
     type Rates<'a> = vk::FragmentShadingRateAttachmentInfoKHR<'a>;
     let mut attached = *subpass;
     // SAFETY: the subpass is valid, as `# Safety` demands, with so many preserved attachments.
-    let (draws, preserved) = unsafe {
-        let preserved = slice(subpass.p_preserve_attachments, subpass.preserve_attachment_count);
-        (draws_colour(subpass) && !is_post, preserved)
-    };
-    if !draws {
+    let preserved = unsafe { slice(subpass.p_preserve_attachments, subpass.preserve_attachment_count) };
+    if !is_attached {
         let all: Vec<u32> = preserved.iter().copied().chain([index]).collect();
         attached.p_preserve_attachments = copies.many(all.iter().copied());
         attached.preserve_attachment_count = all.len() as u32;
@@ -138,6 +142,17 @@ unsafe fn attach<'c>(
         }
     };
     attached
+}
+
+/// Whether a subpass has depth or stencil.
+///
+/// # Safety
+///
+/// The subpass is valid.
+unsafe fn has_depth(subpass: &vk::SubpassDescription2<'_>) -> bool {
+    // SAFETY: the pointer is null or valid, as `# Safety` demands.
+    unsafe { subpass.p_depth_stencil_attachment.as_ref() }
+        .is_some_and(|depth| depth.attachment != vk::ATTACHMENT_UNUSED)
 }
 
 /// Whether a subpass without depth reads nothing but one picture of an earlier subpass: it maps tones, as the second subpass of Godot's

@@ -5,9 +5,9 @@ use crate::abi::pnext::chain;
 use crate::backend::mask::added_usage;
 use ash::vk;
 
-/// Structures that may extend the creation of an image to whose usage something is added.
-const HARMLESS: [vk::StructureType; 2] =
-    [vk::StructureType::IMAGE_FORMAT_LIST_CREATE_INFO, vk::StructureType::IMAGE_STENCIL_USAGE_CREATE_INFO];
+/// Structures that may extend the creation of an image to whose usage something is added. A usage of stencil apart from depth's is none: views
+/// would need either or both, by their aspects.
+const HARMLESS: [vk::StructureType; 1] = [vk::StructureType::IMAGE_FORMAT_LIST_CREATE_INFO];
 
 impl Masks {
     /// The usage to create an image with, if that is more than the application asks for and the device allows it. It is the same for equal

@@ -243,7 +243,11 @@ impl Provenance {
             }
         }
         let is_open = |group: &Group| !group.is_eye && !group.is_ambiguous;
-        if unknown_reader.is_none() && self.groups.all.iter().all(is_open) {
+        let may_be_eye = |group: &Group| group.looks_like_eye(events, known);
+        if unknown_reader.is_none()
+            && self.groups.all.iter().all(is_open)
+            && self.groups.all.iter().any(may_be_eye)
+        {
             // Nothing says where the picture comes from: compute or a copy made an image that the last pass reads.
             let is_last = |node: &Node| node.writes_picture && matches!(node.kind, Kind::Screen { .. });
             unknown_reader = self.nodes.iter().rposition(is_last);

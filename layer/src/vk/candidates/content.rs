@@ -81,7 +81,9 @@ impl Content {
         } else if self.queue != queue && !self.is_shared {
             self.is_shared = true;
             self.is_changed = true;
-            tracing::info!("render passes on several queues draw to one target: its rates stay unchanged");
+            tracing::info!(
+                "render passes on several queues draw to one target, which stays at 1x1 from now on"
+            );
         }
         let before = self.uses.len();
         self.uses.retain(|used| {
@@ -114,8 +116,8 @@ impl Content {
         let has_parts = self.uses.iter().any(|used| !used.parts.is_empty());
         let is_outdated = self.is_changed || (has_parts && self.plan < plan);
         let is_needed = match self.is_shared {
-            // Stale tiles of the map would stay stale for ever.
-            true => self.has_stale_tiles(),
+            // A map for the last gaze would stay for ever.
+            true => self.is_coarse,
             false => is_outdated && (has_parts || self.is_coarse),
         };
         if is_needed { Need::Upload } else { Need::None }
@@ -133,7 +135,7 @@ impl Content {
         }
         self.is_initialised = true;
         self.is_changed = false;
-        self.is_coarse = self.uses.iter().any(|used| !used.parts.is_empty());
+        self.is_coarse = !self.is_shared && self.uses.iter().any(|used| !used.parts.is_empty());
         self.plan = plan;
     }
 

@@ -33,18 +33,20 @@ impl View {
                 },
             },
             format: info.format,
-            may_hold_picture: may_hold_picture(&image),
+            may_hold_picture: may_hold_picture(&image, info.view_type),
         })
     }
 }
 
-/// Least side of a picture that compute writes, pixels: an eye at the least resolution scale. Volumes and tables are smaller.
-const LEAST_PICTURE: u32 = 512;
+/// Least side of a picture that compute writes, pixels: tables are smaller.
+const LEAST_PICTURE: u32 = 64;
 
-fn may_hold_picture(image: &Image) -> bool {
+fn may_hold_picture(image: &Image, kind: vk::ImageViewType) -> bool {
     let ImageDescription { extent, format, is_cube, .. } = image.description;
     let is_drawn = image.usage.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT);
     let is_large = extent.iter().all(|side| *side >= LEAST_PICTURE);
-    let is_computed = image.usage.contains(vk::ImageUsageFlags::STORAGE) && is_large && holds_colours(format);
+    let is_flat = matches!(kind, vk::ImageViewType::TYPE_2D | vk::ImageViewType::TYPE_2D_ARRAY);
+    let is_computed =
+        image.usage.contains(vk::ImageUsageFlags::STORAGE) && is_flat && is_large && holds_colours(format);
     !is_cube && (is_drawn || is_computed)
 }

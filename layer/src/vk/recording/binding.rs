@@ -116,7 +116,10 @@ pub unsafe extern "system" fn bind_shaders(
             let masked = known.masks().zip(super::tracked(buffer));
             if let Some((_, recording)) = &masked {
                 // SAFETY: the command buffer is recording, by valid usage.
-                unsafe { drawing::leave(recording, buffer) };
+                unsafe {
+                    recording.fill_before_binding(buffer);
+                    drawing::leave(recording, buffer);
+                }
                 stencil::changes(recording, buffer);
             }
             next();

@@ -206,6 +206,10 @@ pub unsafe extern "system" fn bind_sets2(
             // SAFETY: `handle` is live, by valid usage.
             unsafe { draws::bind(handle, info.first_set, sets) };
         }
+        if let Some(known) = known.as_ref().filter(|_| !info.p_next.is_null()) {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { known.fill_before_binding(handle) };
+        }
         next();
         let Some(known) = known else { return };
         // A chained structure may specify a different layout.
@@ -248,6 +252,10 @@ macro_rules! binds_more {
         /// The valid usage of the call.
         pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
             hook!($call, with_buffer, $field(handle $(, $argument)*), |known, next| {
+                if let Some(known) = &known {
+                    // SAFETY: the command buffer is recording, by valid usage.
+                    unsafe { known.fill_before_binding(handle) };
+                }
                 next();
                 if let Some(known) = known {
                     // SAFETY: the command buffer is recording, and pointers are valid, by valid usage.

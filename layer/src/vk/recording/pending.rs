@@ -56,6 +56,18 @@ impl Buffer {
         unsafe { self.fill_where(handle, |_| true) };
     }
 
+    /// Records all fills that wait, before state is bound that cannot be bound again after a fill.
+    ///
+    /// # Safety
+    ///
+    /// `handle` is this command buffer, which is recording.
+    pub(super) unsafe fn fill_before_binding(&self, handle: vk::CommandBuffer) {
+        if self.armed.masks.is_some() && !self.recorded().is_within_pass() {
+            // SAFETY: the command buffer is recording, as `# Safety` demands, outside of a render pass.
+            unsafe { self.fill_all(handle) };
+        }
+    }
+
     /// Records the fills of images that barriers bring to other layouts or queue families.
     ///
     /// # Safety
@@ -133,6 +145,44 @@ pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Resul
         }
         next()
     })
+}
+
+/// `vkCmdSetEvent`: the wait for the event may come after other commands, and the first half of its barrier covers earlier ones only.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn set_event(
+    handle: vk::CommandBuffer,
+    event: vk::Event,
+    stages: vk::PipelineStageFlags,
+) {
+    hook!("vkCmdSetEvent", with_buffer, cmd_set_event(handle, event, stages), |known, next| {
+        if let Some(known) = known {
+            // SAFETY: the command buffer is recording, outside of render passes, by valid usage.
+            unsafe { known.fill_all(handle) };
+        }
+        next();
+    });
+}
+
+/// `vkCmdSetEvent2`, as [`set_event`].
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn set_event2(
+    handle: vk::CommandBuffer,
+    event: vk::Event,
+    info: *const vk::DependencyInfo<'_>,
+) {
+    hook!("vkCmdSetEvent2", with_buffer, cmd_set_event2(handle, event, info), |known, next| {
+        if let Some(known) = known {
+            // SAFETY: as for `set_event`.
+            unsafe { known.fill_all(handle) };
+        }
+        next();
+    });
 }
 
 /// `vkCmdWaitEvents`.

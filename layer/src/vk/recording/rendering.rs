@@ -128,6 +128,13 @@ unsafe fn begin_masked(
 ) -> (Option<Arc<Candidate>>, Option<OpenMask>) {
     // SAFETY: the pointer is valid, by the valid usage of vkCmdBeginRendering, for the time of the call.
     let structure = unsafe { &*info };
+    // Until the rendering is resumed, no command may come in between.
+    if structure.flags.contains(vk::RenderingFlags::SUSPENDING)
+        && !structure.flags.contains(vk::RenderingFlags::RESUMING)
+    {
+        // SAFETY: vkCmdBeginRendering is valid only in a command buffer that is recording, outside of render passes.
+        unsafe { buffer.fill_all(handle) };
+    }
     // SAFETY: the structure is that of vkCmdBeginRendering.
     let attachments = unsafe { rendering_attachments(&buffer.armed.objects, structure) };
     // SAFETY: as above.

@@ -26,7 +26,8 @@ pub const STYLE: Style = Style {
     ..Style::PLAIN
 };
 
-fn small(size: [u32; 2]) -> [u32; 2] {
+/// Size of the scene.
+pub fn small(size: [u32; 2]) -> [u32; 2] {
     size.map(|length| (f64::from(length) * 0.67).round() as u32)
 }
 

@@ -10,16 +10,19 @@ fn reference(attachment: u32) -> vk::AttachmentReference2<'static> {
         .layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
 }
 
-fn check(
-    subpasses: &[vk::SubpassDescription2<'_>],
-    check: impl FnOnce(Result<(vk::RenderPassCreateInfo2<'_>, AddedRates), LeftAlone>),
-) {
+type Amended<'a> = Result<(vk::RenderPassCreateInfo2<'a>, AddedRates), LeftAlone>;
+
+fn check(subpasses: &[vk::SubpassDescription2<'_>], check: impl FnOnce(Amended<'_>)) {
+    check_with(false, subpasses, check);
+}
+
+fn check_with(needs_depth: bool, subpasses: &[vk::SubpassDescription2<'_>], check: impl FnOnce(Amended<'_>)) {
     let attachments = [vk::AttachmentDescription2::default().format(vk::Format::R8G8B8A8_UNORM); 2];
     let info = vk::RenderPassCreateInfo2::default().attachments(&attachments).subpasses(subpasses);
     let mut room = room::<64>();
     let mut copies = Copies::new(&mut room);
     // SAFETY: valid structures that outlive the copies.
-    check(unsafe { with_rates(&info, &capabilities::tests::offered([16, 16]), &mut copies) });
+    check(unsafe { with_rates(&info, &capabilities::tests::offered([16, 16]), needs_depth, &mut copies) });
 }
 
 #[test]
@@ -60,6 +63,30 @@ fn each_colour_subpass_reads_it_and_others_preserve_it() {
             assert!(find::<vk::SubpassDescriptionDepthStencilResolve<'_>>(draws.p_next).is_some());
         }
     });
+}
+
+#[test]
+fn where_attachments_cost_time_only_subpasses_with_depth_have_one() {
+    let (colour, depth) = ([reference(0)], reference(1));
+    let filters = vk::SubpassDescription2::default().color_attachments(&colour);
+    let draws = filters.depth_stencil_attachment(&depth);
+    let attached = |needs_depth| {
+        let mut attached = Vec::new();
+        check_with(needs_depth, &[draws, filters], |result| {
+            let (info, _) = result.unwrap();
+            // SAFETY: the structures are valid, with so many elements.
+            unsafe {
+                for subpass in slice(info.p_subpasses, info.subpass_count) {
+                    let has_rates = find::<Rates<'_>>(subpass.p_next).is_some();
+                    assert_eq!(subpass.preserve_attachment_count, u32::from(!has_rates));
+                    attached.push(has_rates);
+                }
+            }
+        });
+        attached
+    };
+    assert_eq!((attached(false), attached(true)), (vec![true, true], vec![true, false]));
+    check_with(true, &[filters], |result| assert_eq!(result.err(), Some(LeftAlone::NoColour)));
 }
 
 #[test]
