@@ -22,7 +22,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 20;
+pub const LINK_VERSION: u32 = 21;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -58,10 +58,10 @@ pub struct LinkTable {
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
     /// Starts a frame with the settings and the plan that are new in it; not called in frames without any.
     pub begin_frame: unsafe extern "C" fn(device: vk::Device, start: *const FrameStart),
-    /// Analyses a finished eye buffer, between the submit that wrote it and the return of its image to the runtime, in a section of the
-    /// runtime.
-    pub eye_buffer: unsafe extern "C" fn(device: vk::Device, record: *const EyeBufferRecord),
-    /// Sends the view of an eye buffer, at the end of the frame that shows it; ignored unless [`Self::eye_buffer`] was called for its
+    /// Analyses so many finished eye buffers, between the submits that wrote them and the return of their images to the runtime, in a section of
+    /// the runtime. All have the same queue.
+    pub eye_buffers: unsafe extern "C" fn(device: vk::Device, records: *const EyeBufferRecord, count: u32),
+    /// Sends the view of an eye buffer, at the end of the frame that shows it; ignored unless [`Self::eye_buffers`] was called for its
     /// picture.
     pub eye_view: unsafe extern "C" fn(device: vk::Device, record: *const EyeViewRecord),
     /// Ends the device's frame with its submission, before or after the runtime's xrEndFrame. Writes the report on it to `report`; returns 1,

@@ -26,7 +26,9 @@ use chroma::Chroma;
 use copy::Copy;
 use glam::Quat;
 use parafovea::gpu::AppCommands;
-use parafovea::kernels::analyze::{Analyze, AnalyzeParams, AnalyzeTarget, Levels, USAGE, ViewTiles};
+use parafovea::kernels::analyze::{
+    Analyze, AnalyzeParams, AnalyzeTarget, AnalyzedPicture, Levels, USAGE, ViewTiles,
+};
 use parafovea::kernels::decide::{Decide, DecideParams, DecideTarget};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::color::Matrix;
@@ -91,7 +93,8 @@ fn measured(vulkan: &Vulkan, side: u32) -> Vec<(&'static str, f64, f64)> {
     let record_analysis = |commands, target: &AnalyzeTarget, same_view| {
         // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
         let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
-        analyze.record(&commands, target, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, same_view);
+        let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        analyze.record(&commands, &[AnalyzedPicture { target, layout, comparison: same_view }]);
     };
     vulkan.run(|commands| {
         (0..=1 + SETTLED).for_each(|same_view| record_analysis(commands, &settled, same_view));

@@ -218,6 +218,19 @@ pub const RUNTIME_DRAWN_TO_BLENDED: ImageBarrier = ImageBarrier {
     dst_access: COLOR_READ_WRITE,
 };
 
+/// A picture that something was blended over, before anything that comes after, in the layout that the application left it in.
+pub fn blended_to(layout: Layout) -> ImageBarrier {
+    ImageBarrier {
+        name: "runtime_blended_to_left",
+        old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+        new_layout: layout,
+        src_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+        dst_stage: Stage::ALL_COMMANDS,
+        src_access: COLOR_READ_WRITE,
+        dst_access: Access::MEMORY_READ | Access::MEMORY_WRITE,
+    }
+}
+
 /// The application's depth, which is written as an attachment and by copies, before we copy it.
 pub const DEPTH_WRITTEN_TO_COPIED: ImageBarrier = ImageBarrier {
     name: "depth_written_to_copied",

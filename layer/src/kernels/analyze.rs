@@ -173,6 +173,19 @@ pub struct AnalyzeTarget {
     is_unit: bool,
 }
 
+/// A picture to analyse.
+#[derive(Clone, Copy)]
+pub struct AnalyzedPicture<'a> {
+    /// The picture.
+    pub target: &'a AnalyzeTarget,
+    /// Its layout before and after.
+    pub layout: vk::ImageLayout,
+    /// 0, or the number of consecutive analyses up to this one that compare the picture and its rates with those before, in the same levels
+    /// and tiles and by the same parameters; a comparison pays where the view rests. Once they were the same for
+    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, only the comparison is done.
+    pub comparison: u32,
+}
+
 impl Analyze {
     /// Prepares the pass.
     ///
@@ -253,50 +266,64 @@ impl Analyze {
         })
     }
 
-    /// Records the analysis of `target`. The picture was written by commands recorded before, and is in `layout` before and after. The
-    /// content of the tiles is ordered between calls, and before later compute shaders on this queue.
-    ///
-    /// `comparison`: 0, or the number of consecutive analyses up to this one that compare the picture and its rates with those before, in the
-    /// same levels and tiles and by the same parameters; a comparison pays where the view rests. Once they were the same for
-    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, only the comparison is done.
-    pub fn record(
-        &self,
-        commands: &AppCommands,
-        target: &AnalyzeTarget,
-        layout: vk::ImageLayout,
-        comparison: u32,
-    ) {
+    /// Records the analysis of pictures with tiles and levels of their own, side by side: of each stage, all dispatches come before the next
+    /// one's. They were written by commands recorded before. The content of the tiles is ordered between calls, and before later compute
+    /// shaders on this queue.
+    pub fn record(&self, commands: &AppCommands, pictures: &[AnalyzedPicture<'_>]) {
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-        commands.barrier(target.picture, (layout, Scope::ALL), (read, COMPUTES));
-        if comparison == 0 {
-            self.record_all(commands, target);
-        } else {
-            self.record_compared(commands, target, comparison == 1);
+        // Both eyes may be in one layer of an image.
+        let images = || {
+            let is_first = |index: usize, picture: &AnalyzedPicture<'_>| {
+                !pictures[..index].iter().any(|before| before.target.picture == picture.target.picture)
+            };
+            pictures.iter().enumerate().filter(move |(index, picture)| is_first(*index, picture))
+        };
+        for (_, picture) in images() {
+            commands.barrier(picture.target.picture, (picture.layout, Scope::ALL), (read, COMPUTES));
+        }
+        self.record_all(commands, || pictures.iter().filter(|picture| picture.comparison == 0));
+        for picture in pictures.iter().filter(|picture| picture.comparison > 0) {
+            self.record_compared(commands, picture.target, picture.comparison == 1);
         }
         commands.computed_to_computed();
-        commands.barrier(target.picture, (read, COMPUTES), (layout, Scope::ALL));
+        for (_, picture) in images() {
+            commands.barrier(picture.target.picture, (read, COMPUTES), (picture.layout, Scope::ALL));
+        }
     }
 
-    fn record_all(&self, commands: &AppCommands, target: &AnalyzeTarget) {
-        // Nothing is kept of the analysis before this one, which may still be reading.
-        let levels = ImagePart { image: target.levels.image(), first_layer: 0, ..target.picture };
-        commands.barrier(
-            levels,
-            (vk::ImageLayout::UNDEFINED, COMPUTES),
-            (vk::ImageLayout::GENERAL, COMPUTES),
-        );
+    fn record_all<'a, I: Iterator<Item = &'a AnalyzedPicture<'a>>>(
+        &self,
+        commands: &AppCommands,
+        pictures: impl Fn() -> I,
+    ) {
+        if pictures().next().is_none() {
+            return;
+        }
+        for AnalyzedPicture { target, .. } in pictures() {
+            // Nothing is kept of the analysis before this one, which may still be reading.
+            let levels = ImagePart { image: target.levels.image(), first_layer: 0, ..target.picture };
+            commands.barrier(
+                levels,
+                (vk::ImageLayout::UNDEFINED, COMPUTES),
+                (vk::ImageLayout::GENERAL, COMPUTES),
+            );
+        }
         // Before the first one, too: so may it be using the tiles.
         commands.computed_to_computed();
-        let luminance = &self.luminance[usize::from(target.is_unit)];
-        let groups = if self.reduces_at_once { level_groups(target, 1) } else { block_groups(target) };
-        commands.dispatch(&self.layout, luminance, &target.set, groups);
+        for AnalyzedPicture { target, .. } in pictures() {
+            let luminance = &self.luminance[usize::from(target.is_unit)];
+            let groups = if self.reduces_at_once { level_groups(target, 1) } else { block_groups(target) };
+            commands.dispatch(&self.layout, luminance, &target.set, groups);
+        }
         for (index, stage) in self.stages.iter().enumerate().skip(self.reduces_at_once.into()) {
             commands.computed_to_computed();
-            let groups = match index + 1 {
-                level @ ..=LEVELS => level_groups(target, level),
-                _ => tile_groups(target),
-            };
-            commands.dispatch(&self.layout, stage, &target.set, groups);
+            for AnalyzedPicture { target, .. } in pictures() {
+                let groups = match index + 1 {
+                    level @ ..=LEVELS => level_groups(target, level),
+                    _ => tile_groups(target),
+                };
+                commands.dispatch(&self.layout, stage, &target.set, groups);
+            }
         }
     }
 

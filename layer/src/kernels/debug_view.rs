@@ -6,7 +6,7 @@
 pub use parafovea_core::kernels::debug_view::{DebugView, DebugViewParams, MapShape};
 
 use super::compose::RuntimeImages;
-use crate::gpu::barrier::RUNTIME_DRAWN_TO_BLENDED;
+use crate::gpu::barrier::{ImageBarrier, RUNTIME_DRAWN_TO_BLENDED, blended_to};
 use crate::gpu::{
     DeviceBuffer, Gpu, GpuError, Later, ListSet, Output, Shared, TileDraw, TilePipeline, TileShader,
     UniformRing, Uses,
@@ -31,6 +31,8 @@ pub struct DebugViewJob<'a> {
     pub runtime_index: u32,
     /// The array layer.
     pub array_layer: u32,
+    /// Layout of the image before and after.
+    pub layout: vk::ImageLayout,
     /// The drawn view, if any ([`DebugViewParams::drawn`]); [`DebugViewParams::first_word`] is set by the pass.
     pub params: DebugViewParams,
     /// The map of its tiles; `None` if that was copied to [`DebugViewPass::place`] on this queue, or none is needed.
@@ -118,8 +120,6 @@ impl DebugViewPass {
     /// Draws over the pictures, at most [`MOST_PICTURES`], without waiting; false where the pipeline is not there yet. A steady frame
     /// allocates nothing on the heap.
     ///
-    /// All images are COLOR_ATTACHMENT_OPTIMAL before and after.
-    ///
     /// # Errors
     /// [`GpuError::Unsupported`] where the format cannot be blended; [`GpuError::Invalid`] when something is not there or too
     /// large; [`GpuError::Timeout`] when earlier submits hang; a failed call. Then nothing was submitted.
@@ -164,14 +164,17 @@ impl DebugViewPass {
                 draws.push((*job, uniforms.write(slot, job.eye as u32, &params)?));
             }
             recorder.updates_to_reads();
-            for (number, job) in jobs.iter().enumerate() {
-                let image =
-                    |job: &DebugViewJob| job.runtime.images().get(job.runtime_index as usize).copied();
-                let image_of_job = image(job).ok_or(GpuError::Invalid("an image index out of range"))?;
-                if !jobs[..number].iter().any(|earlier| image(earlier) == Some(image_of_job)) {
-                    let layers = job.runtime.shape().array_layers;
-                    recorder.barrier(&RUNTIME_DRAWN_TO_BLENDED, image_of_job, layers);
+            let mut images: SmallVec<[(vk::Image, u32, vk::ImageLayout); MOST_PICTURES]> = SmallVec::new();
+            for job in &jobs {
+                let image = job.runtime.images().get(job.runtime_index as usize).copied();
+                let image = image.ok_or(GpuError::Invalid("an image index out of range"))?;
+                if !images.iter().any(|(earlier, ..)| *earlier == image) {
+                    images.push((image, job.runtime.shape().array_layers, job.layout));
                 }
+            }
+            for (image, layers, layout) in &images {
+                let from = ImageBarrier { old_layout: *layout, ..RUNTIME_DRAWN_TO_BLENDED };
+                recorder.barrier(&from, *image, *layers);
             }
             for (job, offset) in &draws {
                 let format = job.runtime.shape().format;
@@ -195,6 +198,12 @@ impl DebugViewPass {
                         tiles: 0..1,
                     });
                 });
+            }
+            let is_elsewhere = |(.., layout): &&(vk::Image, u32, vk::ImageLayout)| {
+                *layout != RUNTIME_DRAWN_TO_BLENDED.new_layout
+            };
+            for (image, layers, layout) in images.iter().filter(is_elsewhere) {
+                recorder.barrier(&blended_to(*layout), *image, *layers);
             }
             Ok(())
         })?;

@@ -66,6 +66,8 @@ pub struct Views {
 struct Eye {
     located: Option<Shape>,
     shown: Option<ShownShape>,
+    /// Number of frames in a row that showed this orientation relative to the head.
+    steady_frames: u32,
     /// In the space of the head.
     orientation: Quat,
     /// In the space of the head, whose origin is in the middle of both, metres.
@@ -80,6 +82,9 @@ struct Eye {
 /// Frames after which an extent that stays the same is planned with: a render scale that an application has set once. Dynamic resolution changes
 /// more often.
 const SETTLED_FRAMES: u32 = 60;
+
+/// Frames in a row after which a shown orientation that differs from the located one is believed.
+const STEADY_FRAMES: u32 = 3;
 
 /// The shape of a view, relative to the head.
 #[derive(Clone, Copy, Debug)]
@@ -145,6 +150,9 @@ impl Views {
         self.eyes[views.len()..].fill(Eye::default());
         for (eye, ShownView { view, extent }) in self.eyes.iter_mut().zip(views) {
             let shape = Shape { fov: view.fov, orientation: head.inverse() * view.orientation };
+            let is_steady = |last: &ShownShape| angle(last.shape.orientation, shape.orientation) < TREMOR;
+            let is_steady = eye.shown.as_ref().is_some_and(is_steady);
+            eye.steady_frames = if is_steady { eye.steady_frames.saturating_add(1) } else { 0 };
             eye.shown = Some(ShownShape { shape, located: eye.located });
             if eye.located.is_none() {
                 eye.place(head, middle, view);
@@ -238,7 +246,12 @@ impl Eye {
             }
         };
         let Shape { fov, orientation } = match (self.located, self.shown) {
-            (Some(located), Some(shown)) if shown.located.is_some_and(is_located_so(located)) => shown.shape,
+            (Some(located), Some(shown)) if shown.located.is_some_and(is_located_so(located)) => {
+                // An old picture of one eye beside a new one of the other is turned by the head's turn.
+                let is_steady = self.steady_frames >= STEADY_FRAMES;
+                let orientation = if is_steady { shown.shape.orientation } else { located.orientation };
+                Shape { orientation, ..shown.shape }
+            }
             (Some(located), _) => located,
             (None, Some(shown)) => shown.shape,
             (None, None) => return,

@@ -14,6 +14,7 @@ use crate::link::{
 use crate::status;
 use ash::vk;
 use report::{write_report, write_stale};
+use smallvec::SmallVec;
 
 static TABLE: LinkTable = LinkTable {
     version: LINK_VERSION,
@@ -24,7 +25,7 @@ static TABLE: LinkTable = LinkTable {
     capabilities,
     swapchain,
     begin_frame,
-    eye_buffer,
+    eye_buffers,
     eye_view,
     end_frame,
     stale,
@@ -194,18 +195,31 @@ unsafe fn note_start(armed: &Armed, start: &FrameStart) {
 /// # Safety
 ///
 /// As the OpenXR half calls it: devices are live, and records valid for the time of the call (`link.rs`).
-unsafe extern "C" fn eye_buffer(device: vk::Device, record: *const EyeBufferRecord) {
-    // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
+unsafe extern "C" fn eye_buffers(device: vk::Device, records: *const EyeBufferRecord, count: u32) {
+    // SAFETY: as above; the images are live until their swapchain is said to end, and this thread may use the queue.
     unsafe {
-        with_armed("vkGetParafoveaLink.eye_buffer", device, record, |armed, record| {
-            let [family, index] = record.queue;
-            let is_used_beside =
-                armed.layouts.is_used_on_other_queues(record.image, QueueId { family, index });
-            // Elsewhere it may be drawn to again while it is read.
-            if let Some(own) = armed.submitter().filter(|_| is_used_beside != Some(true)) {
-                armed.perception.analyze(own, record, armed.layouts.left_in(record.image));
-            }
+        with_armed("vkGetParafoveaLink.eye_buffers", device, records, |armed, _| {
+            analyze(armed, slice(records, count as usize));
         });
+    }
+}
+
+/// Analyses eye buffers, except those in images that the application uses on other queues: there they may be drawn to again while they are read.
+///
+/// # Safety
+///
+/// The images are live, and this thread may use the queue.
+unsafe fn analyze(armed: &Armed, records: &[EyeBufferRecord]) {
+    let is_used_beside = |record: &EyeBufferRecord| {
+        let [family, index] = record.queue;
+        armed.layouts.is_used_on_other_queues(record.image, QueueId { family, index }) == Some(true)
+    };
+    let used_here = records.iter().filter(|record| !is_used_beside(record));
+    let pictures: SmallVec<[_; 4]> =
+        used_here.map(|record| (record, armed.layouts.left_in(record.image))).collect();
+    if let Some(own) = armed.submitter() {
+        // SAFETY: as `# Safety` demands.
+        unsafe { armed.perception.analyze(own, &pictures) };
     }
 }
 

@@ -16,6 +16,7 @@ pub use resolved_map::{MapTarget, ResolvedMap, Written};
 use super::frame::Frame;
 use super::pre_submit::{Kept, PreSubmitRing, Submitter};
 use crate::gpu::{AppCommands, Later};
+use crate::kernels::analyze::{AnalyzeTarget, AnalyzedPicture};
 use crate::link::{DeviceRecord, EyeBufferRecord, EyeViewRecord};
 use ash::vk;
 use eye::{Analyzed, Eye, EyeTiles, Measured, Parameters, Place};
@@ -67,56 +68,106 @@ pub struct Deciding {
     of: (u64, u64),
 }
 
+/// A picture that is to be analysed on a queue.
+struct Prepared {
+    tools: Arc<Tools>,
+    queue: vk::Queue,
+    ring: Arc<PreSubmitRing>,
+    target: Arc<AnalyzeTarget>,
+    tiles: Arc<EyeTiles>,
+    layout: vk::ImageLayout,
+    analyzed: Analyzed,
+}
+
+impl Prepared {
+    fn picture(&self) -> AnalyzedPicture<'_> {
+        AnalyzedPicture { target: &self.target, layout: self.layout, comparison: self.analyzed.comparison }
+    }
+}
+
 impl Perception {
-    /// Analyses a finished picture, which is in `layout`, if its contrast counts, for the decisions of later frames. It never waits: with too
-    /// much work in progress, the picture is left out.
+    /// Analyses finished pictures whose contrast counts, each with its layout, for the decisions of later frames. It never waits: with too
+    /// much work in progress, they are left out.
     ///
     /// # Safety
     ///
-    /// As [`EyeBufferRecord`] demands: the image is live and in the state described there, and this thread may use the queue.
-    pub unsafe fn analyze(&self, own: Submitter<'_>, record: &EyeBufferRecord, layout: vk::ImageLayout) {
+    /// As [`EyeBufferRecord`] demands: the images are live and in the state described there, and this thread may use the queue, the same for
+    /// all of them.
+    pub unsafe fn analyze(&self, own: Submitter<'_>, pictures: &[(&EyeBufferRecord, vk::ImageLayout)]) {
+        let mut prepared: SmallVec<[Prepared; 2]> = SmallVec::new();
+        // SAFETY: the record names the queue of the device's session, which was created with the device.
+        let prepare =
+            |(record, layout): &(&EyeBufferRecord, _)| unsafe { self.prepare(own, record, *layout) };
+        prepared.extend(pictures.iter().filter_map(prepare));
+        let Some(Prepared { tools, queue, ring, .. }) = prepared.first() else { return };
+        let mut kept = Kept::new();
+        for Prepared { target, tiles, .. } in &prepared {
+            kept.push(target.clone());
+            // The target names images of the tiles: the tiles must outlive the work.
+            kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
+        }
+        let record_commands = |commands: vk::CommandBuffer| {
+            // SAFETY: the command buffer is a new one for that queue, which supports graphics; all objects that it uses are kept.
+            let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
+            let pictures: SmallVec<[AnalyzedPicture<'_>; 2]> =
+                prepared.iter().map(Prepared::picture).collect();
+            tools.analyze.record(&commands, &pictures);
+            Ok(())
+        };
+        // SAFETY: this thread may use the live queue, as `# Safety` demands.
+        if unsafe { ring.run(own, *queue, kept, record_commands) } {
+            let mut state = self.state();
+            for Prepared { tiles, analyzed, .. } in &prepared {
+                if let Some(eye) = &mut state.eyes[tiles.eye] {
+                    eye.analyzed = Some(*analyzed);
+                }
+            }
+        }
+    }
+
+    /// Prepares the analysis of a picture on a queue; `None` if its contrast does not count, or is not known yet.
+    ///
+    /// # Safety
+    ///
+    /// The device was created with the record's queue, and the image is live.
+    unsafe fn prepare(
+        &self,
+        own: Submitter<'_>,
+        record: &EyeBufferRecord,
+        layout: vk::ImageLayout,
+    ) -> Option<Prepared> {
         let eye = record.eye as usize;
         if eye > 1 {
-            return;
+            return None;
         }
         let (received, decision, [extent, texel, tiles]) = {
             let plan = own.frame.plan();
             (plan.received(), plan.decision(eye).copied(), plan.shape(eye))
         };
-        let Some(decision) = decision.filter(|_| own.frame.is_on()) else { return self.forget_eye(eye) };
-        let Some(tools) = self.tools(own.record) else { return };
+        let Some(decision) = decision.filter(|_| own.frame.is_on()) else {
+            self.forget_eye(eye);
+            return None;
+        };
+        let tools = self.tools(own.record)?;
         let [_, _, width, height] = record.rect;
         if [width, height] != extent {
             self.log_once("the size of the eye buffers differs from the planned one");
-            return self.forget_eye(eye);
+            self.forget_eye(eye);
+            return None;
         }
-        // SAFETY: the record names the queue of the device's session, which was created with the device.
-        let Some((queue, ring)) = (unsafe { self.queue(own, record.queue) }) else { return };
-        let Some(eye_tiles) = self.eye(&tools, eye, tiles, extent) else { return };
+        // SAFETY: as `# Safety` demands.
+        let (queue, ring) = unsafe { self.queue(own, record.queue) }?;
+        let eye_tiles = self.eye(&tools, eye, tiles, extent)?;
         if decision.judged.is_none() {
-            return self.forget_contrast(eye);
+            self.forget_contrast(eye);
+            return None;
         }
-        let Some(target) = self.picture(&tools, (record, queue), texel, &eye_tiles) else { return };
+        let target = self.picture(&tools, (record, queue), texel, &eye_tiles)?;
         let by = Parameters::new(record, texel);
         let last = self.state().eyes[eye].as_ref().and_then(|eye| eye.measured);
         let comparison = last.map_or(0, |last| last.next_comparison(by));
-        let mut kept = Kept::new();
-        kept.push(target.clone());
-        // The target names images of the tiles: the tiles must outlive the work.
-        kept.push(Arc::clone(&eye_tiles) as Arc<dyn Any + Send + Sync>);
-        let record_commands = |commands: vk::CommandBuffer| {
-            // SAFETY: the command buffer is a new one for that queue, which supports graphics; all objects that it uses are kept.
-            let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
-            tools.analyze.record(&commands, &target, layout, comparison);
-            Ok(())
-        };
-        // SAFETY: this thread may use the live queue, as `# Safety` demands.
-        if unsafe { ring.run(own, queue, kept, record_commands) } {
-            let analyzed = Analyzed { place: Place::of(record), received, by, comparison };
-            if let Some(eye) = &mut self.state().eyes[eye] {
-                eye.analyzed = Some(analyzed);
-            }
-        }
+        let analyzed = Analyzed { place: Place::of(record), received, by, comparison };
+        Some(Prepared { tools, queue, ring, target, tiles: eye_tiles, layout, analyzed })
     }
 
     /// A frame shows an eye buffer in a view: the contrast of its picture counts from now on, if it was analysed since the last call.
@@ -330,7 +381,7 @@ impl Perception {
         (record, queue): (&EyeBufferRecord, vk::Queue),
         texel: [u32; 2],
         tiles: &Arc<EyeTiles>,
-    ) -> Option<Arc<crate::kernels::analyze::AnalyzeTarget>> {
+    ) -> Option<Arc<AnalyzeTarget>> {
         if let Some(known) = self.state().eye_buffers.find(record, tiles) {
             return Some(known);
         }

@@ -55,9 +55,10 @@ pub unsafe extern "system" fn wait(
     guard("xrWaitFrame", below, |answer| {
         if let Some(known) = &known {
             let now = Instant::now();
+            let before = known.instance.config.snapshot();
             let is_edited = known.instance.config.poll(now);
             if is_edited {
-                edit::report(known);
+                edit::report(known, &before);
             }
             let sleep = known.active.as_ref().map(|active| &active.plan.sleep);
             if let Some(sleep) = sleep.filter(|_| is_edited) {

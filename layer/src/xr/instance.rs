@@ -8,7 +8,7 @@ use super::dispatch::Next;
 use super::offer::Offer;
 use super::{session, vulkan_activation};
 use crate::abi::{Enablement, attempt, guard};
-use crate::config::{Arming, Config, Environment, LiveConfig};
+use crate::config::{Arming, Environment, LiveConfig};
 use crate::registry::Registry;
 use below::Below;
 use extensions::EyeGaze;
@@ -121,11 +121,10 @@ pub unsafe extern "system" fn create(
         let (result, eye_gaze) = match &wanted {
             Some(config) => {
                 vulkan_activation::activate();
-                match asks_for_nothing(&config.snapshot()) {
-                    true => (as_asked(), GazeExtension::Off),
-                    // SAFETY: as above.
-                    false => unsafe { create_with_eye_gaze(&below, info, handle) },
-                }
+                // A configuration without work leaves calls as they are, as it does devices; an edit takes effect after a restart.
+                let may_add = Arming::of(&config.snapshot()) != Arming::Inert;
+                // SAFETY: as above.
+                unsafe { create_with_eye_gaze(&below, info, handle, may_add) }
             }
             None => (as_asked(), GazeExtension::Off),
         };
@@ -156,11 +155,6 @@ fn wanted(name: &str) -> Option<LiveConfig> {
     }
     tracing::info!("OpenXR instance of \"{name}\"");
     Some(config)
-}
-
-/// Whether a configuration leaves every call as it is, as it does devices. An edit takes effect after a restart.
-fn asks_for_nothing(config: &Config) -> bool {
-    Arming::of(config) == Arming::Inert && !config.gaze.offer
 }
 
 /// State of `XR_EXT_eye_gaze_interaction`, by its requester.
@@ -205,7 +199,7 @@ fn with_extensions(info: &xr::InstanceCreateInfo, names: &[*const c_char]) -> xr
     }
 }
 
-/// Creates the instance with eye gaze added, where the runtime may have it. We may be the cause of a failure: then the application gets the
+/// Creates the instance with eye gaze added, where it may be added and the runtime may have it. We may be the cause of a failure: then the application gets the
 /// result of its unchanged call.
 ///
 /// # Safety
@@ -215,6 +209,7 @@ unsafe fn create_with_eye_gaze(
     below: &Below,
     info: &xr::InstanceCreateInfo,
     handle: &mut xr::Instance,
+    may_add: bool,
 ) -> (xr::Result, GazeExtension) {
     // SAFETY: the arguments are valid, as `# Safety` demands, with the application's structure or an extended copy of it.
     let mut create = |info: &xr::InstanceCreateInfo| unsafe { below.create(info, handle) };
@@ -230,6 +225,7 @@ unsafe fn create_with_eye_gaze(
             (create(&with_extensions(info, &others)), GazeExtension::Missing)
         }
         EyeGaze::Unreadable => (create(info), GazeExtension::Off),
+        EyeGaze::Missing | EyeGaze::Added(_) if !may_add => (create(info), GazeExtension::Off),
         EyeGaze::Missing => {
             tracing::info!(
                 "no eye tracker: this runtime does not offer XR_EXT_eye_gaze_interaction; gaze.source = \"osc\" and \"centre\" do not need it"

@@ -36,6 +36,7 @@ use ash::vk;
 use depth::Depth;
 use description::Description;
 use drawn_over::DrawnOver;
+use held_release::Held;
 use openxr_sys as xr;
 use openxr_sys::Handle;
 use ring::Ring;
@@ -54,7 +55,7 @@ pub struct Swapchain {
     drawn_over: Mutex<DrawnOver>,
     depth: Mutex<Depth>,
     /// The image whose release is held until the frame ends.
-    held: Mutex<Option<u32>>,
+    held: Mutex<Held>,
     /// The images that the application draws to, once it has them.
     images: Mutex<SmallVec<[vk::Image; 4]>>,
 }
@@ -136,6 +137,7 @@ impl Swapchain {
 
     /// Ends our part in it, before it is destroyed: waits for work of ours that still uses the runtime's images.
     fn end(&self) {
+        self.end_holding();
         self.notify_end();
         self.end_drawing_over();
         self.end_keeping_depth();
@@ -165,6 +167,16 @@ pub fn virtual_ones(session: xr::Session) -> SmallVec<[Arc<Swapchain>; 8]> {
 pub fn are_all_real(session: xr::Session) -> bool {
     let of_session = SWAPCHAINS.filter::<8>(|swapchain| swapchain.session.handle == session);
     !of_session.is_empty() && of_session.iter().all(|swapchain| swapchain.substitute.is_none())
+}
+
+/// Whether a session has no swapchains yet, or one that keeps its pictures for so many frames.
+pub fn keep_for(session: xr::Session, frames: u32) -> bool {
+    let of_session = SWAPCHAINS.filter::<8>(|swapchain| swapchain.session.handle == session);
+    let keeps = |swapchain: &Arc<Swapchain>| {
+        let substitute = swapchain.substitute.as_ref();
+        substitute.is_some_and(|substitute| substitute.ring().count() > u64::from(frames))
+    };
+    of_session.is_empty() || of_session.iter().any(keeps)
 }
 
 /// Device memory of the pictures that the virtual swapchains of a session keep for re-use, bytes, and why one of them keeps none.

@@ -139,14 +139,16 @@ impl VulkanDevice {
         unsafe { (self.table.begin_frame)(self.record.device, start) }
     }
 
-    /// Analyses a finished eye buffer.
+    /// Analyses finished eye buffers.
     ///
     /// # Safety
     ///
     /// As [`EyeBufferRecord`] demands.
-    pub unsafe fn analyze_eye_buffer(&self, record: &EyeBufferRecord) {
-        // SAFETY: the device is live, as above; the record is as [`EyeBufferRecord`] demands.
-        unsafe { (self.table.eye_buffer)(self.record.device, record) }
+    pub unsafe fn analyze_eye_buffers(&self, records: &[EyeBufferRecord]) {
+        if !records.is_empty() {
+            // SAFETY: the device is live, as above; the records are as [`EyeBufferRecord`] demands.
+            unsafe { (self.table.eye_buffers)(self.record.device, records.as_ptr(), records.len() as u32) }
+        }
     }
 
     /// Sends the view of an eye buffer.

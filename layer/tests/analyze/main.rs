@@ -17,7 +17,9 @@ use formats::stored;
 use glam::Vec3;
 use half::f16;
 use parafovea::gpu::AppCommands;
-use parafovea::kernels::analyze::{Analyze, AnalyzeParams, Levels, USAGE, ViewTiles, rate_row_bytes};
+use parafovea::kernels::analyze::{
+    Analyze, AnalyzeParams, AnalyzedPicture, Levels, USAGE, ViewTiles, rate_row_bytes,
+};
 use parafovea_core::color::Matrix;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::analyze::{
@@ -96,7 +98,8 @@ impl Analyzed {
             vulkan.run(|commands| {
                 // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
                 let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
-                analyze.record(&commands, &target, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, 0);
+                let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+                analyze.record(&commands, &[AnalyzedPicture { target: &target, layout, comparison: 0 }]);
             });
             let count = rates.texels().len();
             let bytes = vulkan.read(tiles.contrast(), count * size_of::<TileContrast>());
@@ -284,6 +287,56 @@ fn pictures_that_change_match_the_reference() {
 
 /// While the view stays, pictures and rates are compared with the ones before: all is as if each had been analysed, and once nothing changes any
 /// more, nothing is written.
+/// Both eyes beside each other in one image, and one of them in a layer of its own.
+#[test]
+fn pictures_side_by_side_are_as_one_after_the_other() {
+    let (vulkan, all) = both();
+    const EYE: [u32; 2] = [100, 84];
+    let extent = vk::Extent2D { width: 2 * EYE[0], height: EYE[1] };
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST | USAGE;
+    let image = vulkan.image(vk::ImageCreateFlags::empty(), FLOATS, extent, 2, usage);
+    for layer in 0..2 {
+        let texel =
+            |at: u32| [(at * 7 + layer * 3) % 11, (at * 5) % 13, at % 3, 9].map(|part| part as f32 / 13.0);
+        let picture: Vec<f32> = (0..extent.width * extent.height).flat_map(texel).collect();
+        vulkan.upload(Layer { image, layer, extent }, bytemuck::cast_slice(&picture));
+    }
+    let settings = ContrastSettings::default();
+    let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+    for analyze in &all {
+        let analyzed = |is_apart: bool| {
+            let targets = [(0, 0), (EYE[0], 0), (0, 1)].map(|(left, layer)| {
+                let params = AnalyzeParams::new([left, 0], EYE, &settings, WHITE_CD_M2, Matrix::Bt709);
+                let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles(EYE)).unwrap());
+                let levels = Arc::new(Levels::new(&vulkan.gpu, EYE).unwrap());
+                let target = analyze.target((image, FLOATS, layer), &params, (&tiles, &levels)).unwrap();
+                (target, tiles)
+            });
+            for comparisons in [[0, 0, 0], [0, 0, 1]] {
+                let pictures: Vec<_> = targets
+                    .iter()
+                    .zip(comparisons)
+                    .map(|((target, _), comparison)| AnalyzedPicture { target, layout, comparison })
+                    .collect();
+                for pictures in pictures.chunks(if is_apart { 1 } else { 3 }) {
+                    vulkan.run(|commands| {
+                        // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+                        let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
+                        analyze.record(&commands, pictures);
+                    });
+                }
+            }
+            let [columns, rows] = settings.tiles(EYE);
+            let bytes = (columns * rows) as usize * size_of::<TileContrast>();
+            targets.map(|(_, tiles)| vulkan.read(tiles.contrast(), bytes))
+        };
+        let [together, apart] = [false, true].map(analyzed);
+        assert_eq!(together, apart);
+        assert!(together[0] != together[1] && together[0] != together[2], "they are different pictures");
+    }
+    vulkan.assert_valid();
+}
+
 #[test]
 fn a_picture_that_stays_is_analysed_until_nothing_changes() {
     let (vulkan, analyze) = analyze();
@@ -349,7 +402,8 @@ fn a_picture_that_stays_is_analysed_until_nothing_changes() {
                 // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
                 let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
                 let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
-                analyze.record(&commands, &target, layout, same_view);
+                let picture = AnalyzedPicture { target: &target, layout, comparison: same_view };
+                analyze.record(&commands, &[picture]);
             });
             same_view += 1;
             let after = vulkan.read(tiles.contrast(), marked.len());

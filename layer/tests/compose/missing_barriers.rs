@@ -67,7 +67,16 @@ fn drawn_over(vulkan: &Vulkan) {
     });
     let params =
         DebugViewParams::new(DebugView::Gaze, [0; 2], [64; 2], FOV, Vec3::NEG_Z, &MapShape::default());
-    let job = DebugViewJob { eye: 0, runtime: &images, runtime_index: 0, array_layer: 0, params, map: None };
+    let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+    let job = DebugViewJob {
+        eye: 0,
+        runtime: &images,
+        runtime_index: 0,
+        array_layer: 0,
+        layout,
+        params,
+        map: None,
+    };
     let mut pass = DebugViewPass::new(vulkan.gpu.clone()).unwrap();
     pass.submit(&[job]).unwrap();
 }

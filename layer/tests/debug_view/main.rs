@@ -45,6 +45,7 @@ fn job<'a>(swapchain: &'a Swapchain, layer: u32, params: DebugViewParams, map: &
         runtime: &swapchain.runtime,
         runtime_index: 1,
         array_layer: layer,
+        layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
         params,
         map: Some(map),
     }

@@ -17,7 +17,9 @@ mod vulkan;
 use ash::vk;
 use glam::{EulerRot, Quat, Vec3};
 use parafovea::gpu::AppCommands;
-use parafovea::kernels::analyze::{Analyze, AnalyzeParams, Levels, USAGE, ViewTiles, rate_row_bytes};
+use parafovea::kernels::analyze::{
+    Analyze, AnalyzeParams, AnalyzedPicture, Levels, USAGE, ViewTiles, rate_row_bytes,
+};
 use parafovea::kernels::decide::{Decide, DecideParams};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::avpm::{BudgetSettings, SensitivityUnit};
@@ -316,7 +318,9 @@ fn recording_asks_for_no_memory() {
             // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
             let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
             for same_view in 0..3 {
-                analyze.record(&commands, &analyzed, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, same_view);
+                let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+                let picture = AnalyzedPicture { target: &analyzed, layout, comparison: same_view };
+                analyze.record(&commands, &[picture]);
             }
             both.decide.record(&commands, &decided, &params, &stale).unwrap();
         });

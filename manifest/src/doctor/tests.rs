@@ -247,3 +247,13 @@ fn libraries_in_other_folders_are_no_problem() {
     let problems: Vec<_> = findings.iter().filter(|finding| finding.severity == Severity::Problem).collect();
     assert!(problems.is_empty(), "{problems:?}");
 }
+
+#[test]
+fn a_missing_vulkan_loader_is_a_problem() {
+    let mut machine = Machine::new();
+    machine.remove(&machine.path("usr/lib/libvulkan.so.1"));
+    machine.probed.vulkan = Err("libvulkan.so.1: cannot open shared object file".to_owned());
+    let findings = machine.findings();
+    let found = findings.iter().find(|finding| finding.id == "no-vulkan-loader").unwrap();
+    assert!(found.severity == Severity::Problem && found.advice.contains("libvulkan1"), "{found:?}");
+}

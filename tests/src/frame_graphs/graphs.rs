@@ -109,6 +109,18 @@ pub const GRAPHS: &[Graph] = &[
         &[(native::interface_over_picture, &[Shadow(4096)])],
     )
     .bindless(),
+    Graph::new("native-interface-pool", TALL, Separate, &[(native::interface_in_pool, MIRRORS)]),
+    Graph::new("native-dome", TALL, Separate, &[(native::dome, &[Shadow(4096)])]),
+    Graph::new("native-dome-bindless", TALL, Separate, &[(native::dome, &[Mirror(1.0)])]).bindless(),
+    Graph::new("native-outlines", TALL, Separate, &[(native::outlines, &[Shadow(4096)])]),
+    Graph::new("native-film", TALL, Separate, &[(native::film, &[])]),
+    Graph::new(
+        "native-visibility-compute",
+        SQUARE,
+        Separate,
+        &[(native::visibility_compute, &[Evsm(2048), Planar(1024)])],
+    ),
+    Graph::new("urp-copied", TALL, Separate, &[(unity::urp_copied, &[Shadow(4096), Mirror(0.75)])]),
     Graph::new("urp-multi-pass", TALL, Separate, &[(unity::urp_multi_pass, MIRRORS)]),
     Graph::new("urp-multi-pass-square", SQUARE, Separate, &[(unity::urp_multi_pass, ALL_SQUARE)]),
     Graph::new("urp-multi-pass-dynamic", TALL, Array, &[(unity::urp_multi_pass, MIRRORS)]).dynamic(),
@@ -162,6 +174,12 @@ pub const GRAPHS: &[Graph] = &[
         &[(unreal::temporal_compute, &[Shadow(4096), Planar(1024), Screen(1024)])],
     ),
     Graph::new(
+        "unreal-temporal-plain",
+        TALL,
+        DoubleWide,
+        &[(unreal::temporal_plain, &[Shadow(4096), Screen(1024)])],
+    ),
+    Graph::new(
         "unreal-temporal-copied",
         TALL,
         DoubleWide,
@@ -200,6 +218,14 @@ pub const GRAPHS: &[Graph] = &[
         &[(compatibility::dxvk_deferred, &[ToneMappedMirror(0.75)])],
     )
     .dynamic(),
+    Graph::new("dxvk-deferred-thin", TALL, Separate, &[(compatibility::dxvk_deferred_thin, &[Shadow(4096)])]),
+    Graph::new(
+        "vkd3d-deferred-thin",
+        TALL,
+        Separate,
+        &[(compatibility::dxvk_deferred_thin, &[Shadow(4096)])],
+    )
+    .bindless(),
     Graph::new("dxvk-pooled", TALL, Separate, &[(compatibility::dxvk_pooled, &[Mirror(0.75), Shadow(2048)])]),
     // The same where DXVK's descriptors are in heaps or buffers, which is the default since 2026.
     Graph::new("dxvk-forward-heaps", TALL, Separate, &[(compatibility::dxvk_forward, MIRRORS)]).bindless(),

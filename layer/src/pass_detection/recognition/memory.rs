@@ -1,6 +1,6 @@
 //! Memory of images.
 
-use super::feedback::EyePicture;
+use super::feedback::{EyePicture, images_read};
 use super::placement::{self, Areas, Placement, Placements};
 use super::projected::UNSTEADY;
 use super::provenance::Role;
@@ -103,6 +103,10 @@ impl Memory {
                         if let Some(image) = self.entry(frame, target.image, &describe) {
                             image.draw(frame, target, pass.area);
                         }
+                    }
+                    // Compute writes images that no event names.
+                    for image in images_read(pass) {
+                        self.entry(frame, image, &describe);
                     }
                 }
                 Event::Transfer(transfer) => {

@@ -13,8 +13,8 @@ mod known;
 mod remembered;
 mod screens;
 
-use super::feedback::is_picture;
-use crate::pass_detection::{Event, ImageKey, Pass, Reads};
+use super::feedback::{images_read, is_picture};
+use crate::pass_detection::{Draws, Event, ImageKey, Pass, Reads};
 use group::{Group, Groups};
 use kind::Kind;
 pub(super) use known::Known;
@@ -57,6 +57,8 @@ pub(super) struct Provenance {
     steps: usize,
     /// Doubtful reads on the followed path: the image has a writer later in the frame and one before the read.
     doubts: u32,
+    /// Whether as many cameras as eyes may make the picture of an unknown reader.
+    has_eyes: bool,
     remembered: Remembered,
 }
 
@@ -110,7 +112,7 @@ impl Provenance {
     pub(super) fn learn(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Findings {
         self.nodes.clear();
         self.groups.clear();
-        (self.steps, self.doubts) = (0, 0);
+        (self.steps, self.doubts, self.has_eyes) = (0, 0, false);
         if events.len() > MOST_EVENTS {
             return Findings::default();
         }
@@ -199,11 +201,28 @@ impl Provenance {
                     let mut sources = Sources::new();
                     self.sources_of(*image, index, events, known, 0, &mut sources);
                     for source in sources.into_iter().filter(|source| *source != own) {
-                        self.groups.all[source].is_sampled = true;
+                        // A copy of the scene that both eyes make and read in turn.
+                        let is_alike = self.groups.all[source].shape() == self.groups.all[own].shape();
+                        if !(is_alike && self.feeds(own, *image, events)) {
+                            self.groups.all[source].is_sampled = true;
+                        }
                     }
                 }
             }
         }
+    }
+
+    /// Whether a camera's picture is copied, or drawn by a full-screen pass, to an image.
+    fn feeds(&self, group: usize, image: ImageKey, events: &[Event]) -> bool {
+        events.iter().zip(&self.nodes).any(|(event, node)| match event {
+            Event::Transfer(transfer) => {
+                transfer.to.image == image && self.is_drawn_by(transfer.from.image, &[group], events)
+            }
+            Event::Pass(pass) => {
+                let reads_it = || images_read(pass).any(|read| self.is_drawn_by(read, &[group], events));
+                matches!(node.kind, Kind::Screen { .. }) && writes(pass, image) && reads_it()
+            }
+        })
     }
 
     /// Marks the groups that make the picture; the last event that makes it of anything.
@@ -365,8 +384,16 @@ impl Provenance {
         found.retain(|index| self.groups.all[*index].has_depth == has_depth);
         let Some(first) = found.first().map(|index| self.groups.all[*index].shape()) else { return 0 };
         let eyes = if first.holds_both(known) { 1 } else { known.swapchains.count_pictures().clamp(1, 2) };
-        let is_unique =
-            found.len() <= eyes && found.iter().all(|index| self.groups.all[*index].shape() == first);
+        self.has_eyes = found.len() >= eyes;
+        // Where the reads are known, one camera for two eyes is a shadow map or a panel, beside pictures that no event names.
+        let may_read_more = |draws: &Draws| {
+            [&draws.read_by_quads, &draws.read_by_meshes].iter().any(|reads| reads.may_read_more)
+        };
+        let is_known =
+            matches!(&events[reader], Event::Pass(Pass { draws: Some(draws), .. }) if !may_read_more(draws));
+        let is_unique = found.len() <= eyes
+            && (self.has_eyes || !is_known)
+            && found.iter().all(|index| self.groups.all[*index].shape() == first);
         for index in &found {
             let group = &mut self.groups.all[*index];
             group.is_ambiguous |= !is_unique && !group.is_eye;

@@ -152,8 +152,19 @@ fn an_application_that_shows_canted_views_parallel_is_believed() {
         let parallel = canted(head).map(|view| View { orientation: head, ..view });
         views.shown(SPACE, &shown(parallel, [1000, 900]));
         views.located(&canted(head * Quat::from_rotation_x(0.1)));
-        assert!(angle(views.orientation(0), Quat::IDENTITY) < TREMOR);
+        let is_parallel = angle(views.orientation(0), Quat::IDENTITY) < TREMOR;
+        assert_eq!(is_parallel, step >= STEADY_FRAMES, "frame {step}");
     }
+    // Each eye is drawn in every other frame, while the head turns.
+    let mut views = known();
+    for step in 0..10 {
+        let [now, last] = [step, step - 1].map(|step| canted(Quat::from_rotation_y(0.05 * step as f32)));
+        views.located(&now);
+        let alternate = if step % 2 == 0 { [now[0], last[1]] } else { [last[0], now[1]] };
+        views.shown(SPACE, &shown(alternate, [1000, 900]));
+        assert!(angle(views.orientation(0), Quat::from_rotation_y(0.1)) < 2.0 * TREMOR, "frame {step}");
+    }
+    let mut views = known();
     views.located(&[0.2f32, -0.2].map(|cant| View {
         orientation: Quat::from_rotation_y(cant),
         position: Vec3::ZERO,

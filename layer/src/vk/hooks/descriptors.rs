@@ -58,7 +58,7 @@ pub unsafe extern "system" fn free(
         |known, next| {
             if let Some(armed) = &known.armed {
                 // SAFETY: valid usage demands so many sets.
-                armed.objects.descriptors.free_sets(unsafe { slice(sets, count) });
+                armed.objects.descriptors.free_sets(pool, unsafe { slice(sets, count) });
             }
             next()
         }
@@ -99,7 +99,7 @@ pub unsafe extern "system" fn destroy_pool(
         destroy_descriptor_pool(device, pool, allocator),
         |known, next| {
             if let Some(armed) = &known.armed {
-                armed.objects.descriptors.clear_pool(pool);
+                armed.objects.descriptors.forget_pool(pool);
             }
             next();
         }

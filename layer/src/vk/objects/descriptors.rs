@@ -12,7 +12,7 @@ use crate::vk::table::Table;
 use ash::vk;
 use ash::vk::Handle;
 use filter::Filter;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -54,22 +54,36 @@ struct Held {
 #[derive(Debug, Default)]
 struct Allocated {
     sets: Vec<vk::DescriptorSet>,
-    /// Number of different sets when they were counted last.
-    different: usize,
+    /// Sets that were freed one by one, some of them made again since.
+    freed: Vec<vk::DescriptorSet>,
+    /// Number of live sets when they were counted last.
+    live: usize,
 }
 
 impl Allocated {
     /// Fewer handles are never searched for repeated ones.
     const LEAST: usize = 1 << 12;
 
-    /// Handles repeat where sets are freed one by one.
     fn add(&mut self, sets: &[vk::DescriptorSet]) {
-        if self.sets.len() + sets.len() > (2 * self.different).max(Self::LEAST) {
-            self.sets.sort_unstable();
-            self.sets.dedup();
-            self.different = self.sets.len();
+        if self.sets.len() + sets.len() > (2 * self.live).max(Self::LEAST) {
+            self.leave_out_freed();
         }
         self.sets.extend_from_slice(sets);
+    }
+
+    fn leave_out_freed(&mut self) {
+        let mut counts: FxHashMap<vk::DescriptorSet, i64> = FxHashMap::default();
+        self.sets.iter().for_each(|set| *counts.entry(*set).or_default() += 1);
+        self.freed.iter().for_each(|set| *counts.entry(*set).or_default() -= 1);
+        self.freed.clear();
+        self.sets.clear();
+        self.sets.extend(counts.into_iter().filter(|(_, count)| *count > 0).map(|(set, _)| set));
+        self.live = self.sets.len();
+    }
+
+    fn clear(&mut self) {
+        self.sets.clear();
+        self.freed.clear();
     }
 }
 
@@ -126,7 +140,7 @@ impl Descriptors {
         sets: &[vk::DescriptorSet],
         layouts: &[vk::DescriptorSetLayout],
     ) {
-        let of_pool = self.pools.get_or_insert(pool, Arc::default());
+        let of_pool = self.pools.get(pool).unwrap_or_else(|| self.pools.get_or_insert(pool, Arc::default()));
         of_pool.lock().unwrap_or_else(PoisonError::into_inner).add(sets);
         for (set, layout) in sets.iter().zip(layouts) {
             let is_open = self.open_layouts.get(*layout).is_some();
@@ -138,13 +152,23 @@ impl Descriptors {
         }
     }
 
-    /// Sets are freed.
-    pub fn free_sets(&self, sets: &[vk::DescriptorSet]) {
+    /// Sets of a pool are freed.
+    pub fn free_sets(&self, pool: vk::DescriptorPool, sets: &[vk::DescriptorSet]) {
+        if let Some(of_pool) = self.pools.get(pool) {
+            of_pool.lock().unwrap_or_else(PoisonError::into_inner).freed.extend_from_slice(sets);
+        }
         sets.iter().filter(|set| self.may_read(**set)).for_each(|set| self.forget(*set));
     }
 
     /// All sets of a pool are gone.
     pub fn clear_pool(&self, pool: vk::DescriptorPool) {
+        if let Some(of_pool) = self.pools.get(pool) {
+            of_pool.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        }
+    }
+
+    /// A pool is gone, with all of its sets.
+    pub fn forget_pool(&self, pool: vk::DescriptorPool) {
         self.pools.remove(pool);
     }
 
@@ -359,11 +383,20 @@ mod tests {
             descriptors.add_sets(pool(1), &[set(1)], &[vk::DescriptorSetLayout::null()]);
             descriptors.write(set(1), (0, 0), Some(ImageKey(7)));
             assert!(descriptors.may_read(set(1)) && descriptors.may_name(set(1)));
-            descriptors.free_sets(&[set(1)]);
+            descriptors.free_sets(pool(1), &[set(1)]);
         }
         assert!(!descriptors.may_read(set(1)) && !descriptors.may_name(set(1)));
-        let handles = descriptors.pools.get(pool(1)).unwrap().lock().unwrap().sets.len();
-        assert!(handles <= Allocated::LEAST, "{handles} handles of one set");
+        // A layer below may give each set another handle.
+        for number in 2..3 * Allocated::LEAST as u64 {
+            descriptors.add_sets(pool(1), &[set(number)], &[vk::DescriptorSetLayout::null()]);
+            descriptors.free_sets(pool(1), &[set(number)]);
+        }
+        descriptors.add_sets(pool(1), &[set(1)], &[vk::DescriptorSetLayout::null()]);
+        let of_pool = descriptors.pools.get(pool(1)).unwrap();
+        let mut of_pool = of_pool.lock().unwrap();
+        assert!(of_pool.sets.len() <= Allocated::LEAST, "{} handles of one set", of_pool.sets.len());
+        of_pool.leave_out_freed();
+        assert_eq!(of_pool.sets, [set(1)], "it was made again");
     }
 
     #[test]

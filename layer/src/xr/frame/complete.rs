@@ -7,7 +7,6 @@ use crate::config::{Config, longest_period, wants_reuse};
 use crate::planner::{SessionPlanner, View, Watched};
 use crate::xr::plan::PlanWork;
 use crate::xr::session::{Health, Tools};
-use crate::xr::spaces::rests;
 use crate::xr::submission::Projection;
 use crate::xr::vulkan_device::FrameReport;
 use openxr_sys as xr;
@@ -126,15 +125,14 @@ fn watched(planner: &SessionPlanner, config: &Config) -> [Option<Watched>; 2] {
     [0, 1].map(|eye| planner.watched(eye).filter(|_| is_watched))
 }
 
-/// The eye buffer of a view, where it is in a virtual swapchain and its space rests in the world.
+/// The eye buffer of a view, where it is in a virtual swapchain.
 fn picture<'a, 'b>(
     scene: &Projection<'_>,
     eye: usize,
     time: xr::Time,
     works: &'b Works<'a>,
 ) -> Option<(ShownEyeBuffer, &'b Work<'a>)> {
-    // In a space that moves, the turn of the head is unknown.
-    let view = scene.views.get(eye).filter(|_| rests(scene.space))?;
+    let view = scene.views.get(eye)?;
     let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain)?;
     Some((work.picture(view, scene.space, time)?, work))
 }

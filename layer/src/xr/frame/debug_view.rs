@@ -40,6 +40,7 @@ struct EyePicture<'a> {
     shown: ShownEye,
     runtime: &'a RuntimeImages,
     runtime_index: u32,
+    layout: vk::ImageLayout,
     rect: vk::Rect2D,
 }
 
@@ -87,7 +88,8 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
         let shown = shown?;
         let work = works.iter().find(|work| work.swapchain.handle == shown.sub_image.swapchain)?;
         let (runtime, runtime_index, rect) = work.written(&shown.sub_image)?;
-        Some(EyePicture { eye, shown, runtime, runtime_index, rect })
+        let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        Some(EyePicture { eye, shown, runtime, runtime_index, layout, rect })
     });
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
     unsafe { draw_over(active, config, session.gaze.dot_deg(), pictures.collect()) };
@@ -119,7 +121,9 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain, index: u32) {
         let pictures = shown.into_iter().enumerate().filter_map(|(eye, shown)| {
             let shown = shown?;
             let rect = rect_within(&shown.sub_image, &Images { extent, array_layers, is_unit_range: true })?;
-            Some(EyePicture { eye, shown, runtime, runtime_index: index, rect })
+            // Direct3D's are left as they were used last.
+            let layout = active.device.layout(*runtime.images().get(index as usize)?);
+            Some(EyePicture { eye, shown, runtime, runtime_index: index, layout, rect })
         });
         // SAFETY: this thread may use the queue, and work that draws to the image is submitted, as `# Safety` demands.
         unsafe { draw_over(active, &config, session.gaze.dot_deg(), pictures.collect()) };
@@ -185,7 +189,7 @@ unsafe fn draw_eyes(
     let mut jobs: SmallVec<[DebugViewJob; MOST_PICTURES]> = SmallVec::new();
     let most = maps.iter().map(Vec::len).max().unwrap_or(0) as u32;
     for picture in pictures {
-        let EyePicture { eye, shown, runtime, runtime_index, rect } = *picture;
+        let EyePicture { eye, shown, runtime, runtime_index, layout, rect } = *picture;
         let Some(seen) = seen[eye] else { continue };
         let offset = [rect.offset.x as u32, rect.offset.y as u32];
         let extent = [rect.extent.width, rect.extent.height];
@@ -217,7 +221,7 @@ unsafe fn draw_eyes(
             RatesCopy::LeftOut => continue,
         };
         let array_layer = shown.sub_image.image_array_index;
-        jobs.push(DebugViewJob { eye, runtime, runtime_index, array_layer, params, map });
+        jobs.push(DebugViewJob { eye, runtime, runtime_index, array_layer, layout, params, map });
     }
     Ok(!jobs.is_empty() && pass.submit(&jobs)?)
 }

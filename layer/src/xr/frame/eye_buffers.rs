@@ -112,14 +112,19 @@ fn counts(active: &Active, config: &Config) -> bool {
 pub unsafe fn analyze_written(frame: &FrameEnd, works: &[Work]) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
     let Some(scene) = submission.only_projection().filter(|_| counts(active, config)) else { return };
+    let mut records = Records::new();
     for (eye, view) in (0..2).zip(scene.views) {
         let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain);
-        if let Some((image, format, rect)) = work.and_then(|work| work.finished(view)) {
-            // SAFETY: the image lives until its swapchain ends, which is said; it was just written, and is in that layout.
-            unsafe { analyze(active, config, eye, &view.sub_image, (image, format, rect)) };
+        if let Some(picture) = work.and_then(|work| work.finished(view)) {
+            records.push(record((active, config), eye, &view.sub_image, picture));
         }
     }
+    // SAFETY: the images live until their swapchain ends, which is said; they were just written, and are in that layout.
+    unsafe { active.device.analyze_eye_buffers(&records) };
 }
+
+/// The eye buffers that are analysed in one go.
+type Records = SmallVec<[EyeBufferRecord; 4]>;
 
 /// The eye buffers of a swapchain whose contrast counts. Without a view, as of a flat layer or beside a second projection layer, none does.
 fn analyzed(swapchain: &Swapchain, active: &Active, config: &Config) -> [Option<ShownEye>; 2] {
@@ -135,41 +140,44 @@ pub fn analyzes_released(swapchain: &Swapchain) -> bool {
     analyzed(swapchain, active, &active.plan.config()).iter().any(Option::is_some)
 }
 
-/// Has the eye buffers analysed that are in the image of that number, which is about to be returned to the runtime.
+/// Has the eye buffers analysed that are in images of one session, by their numbers, which are about to be returned to the runtime.
 ///
 /// # Safety
 ///
-/// This thread may use the session's queue; the application's draws to the image are submitted.
-pub unsafe fn analyze_released(swapchain: &Swapchain, index: u32) {
-    let Some(active) = &swapchain.session().active else { return };
+/// This thread may use the session's queue; the application's draws to the images are submitted.
+pub unsafe fn analyze_released(images: &[(&Swapchain, u32)]) {
+    let Some(active) = images.first().and_then(|(swapchain, _)| swapchain.session().active.as_ref()) else {
+        return;
+    };
     let config = active.plan.config();
     let _degrade = super::DegradeOnPanic(active);
-    let shown = analyzed(swapchain, active, &config);
-    let is_any = shown.iter().any(Option::is_some);
-    let Some((image, format)) = swapchain.readable_image(index).filter(|_| is_any) else { return };
-    let (extent, array_layers) = swapchain.extent_and_layers();
-    for (eye, shown) in (0..2).zip(shown) {
-        let Some(ShownEye { sub_image, .. }) = shown else { continue };
-        if let Some(rect) = rect_within(&sub_image, &Images { extent, array_layers, is_unit_range: true }) {
-            // SAFETY: the image lives until its swapchain ends, which is said; this thread may use the queue, to which the draws to the
-            // image were submitted, as `# Safety` demands.
-            unsafe { analyze(active, &config, eye, &sub_image, (image, format, rect)) };
+    let mut records = Records::new();
+    for (swapchain, index) in images {
+        let shown = analyzed(swapchain, active, &config);
+        let is_any = shown.iter().any(Option::is_some);
+        let Some((image, format)) = swapchain.readable_image(*index).filter(|_| is_any) else { continue };
+        let (extent, array_layers) = swapchain.extent_and_layers();
+        for (eye, shown) in (0..2).zip(shown) {
+            let Some(ShownEye { sub_image, .. }) = shown else { continue };
+            let rect = rect_within(&sub_image, &Images { extent, array_layers, is_unit_range: true });
+            records
+                .extend(rect.map(|rect| record((active, &config), eye, &sub_image, (image, format, rect))));
         }
     }
+    // SAFETY: the images live until their swapchain ends, which is said; this thread may use the queue, to which the draws to the
+    // images were submitted, as `# Safety` demands.
+    unsafe { active.device.analyze_eye_buffers(&records) };
 }
 
-/// # Safety
-///
-/// This thread may use the session's queue, on which the image was written; the image lives until its swapchain ends.
-unsafe fn analyze(
-    active: &Active,
-    config: &Config,
+/// The record of an eye's picture.
+fn record(
+    (active, config): (&Active, &Config),
     eye: u32,
     sub_image: &xr::SwapchainSubImage,
     (image, format, rect): (vk::Image, vk::Format, vk::Rect2D),
-) {
+) -> EyeBufferRecord {
     let (family, index) = active.device.queue;
-    let record = EyeBufferRecord {
+    EyeBufferRecord {
         eye,
         queue: [family, index],
         swapchain: sub_image.swapchain.into_raw(),
@@ -179,9 +187,7 @@ unsafe fn analyze(
         rect: pixels(rect),
         white_cd_m2: config.rates.white_cd_m2,
         is_mean: u32::from(config.rates.mode == RatesMode::Paper),
-    };
-    // SAFETY: as `# Safety` demands.
-    unsafe { active.device.analyze_eye_buffer(&record) };
+    }
 }
 
 /// Sends the views in which this frame shows eye buffers: the contrast of their pictures counts from now on.

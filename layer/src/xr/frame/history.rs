@@ -88,6 +88,8 @@ pub struct ShownEyeBuffer {
     pub substitute: u64,
     /// The space of its pose.
     pub space: xr::Space,
+    /// Whether that space rests in the world: in others, pictures cannot be turned to each other.
+    pub rests: bool,
     /// Display time.
     pub time: xr::Time,
     /// Number of its release, counted from 1.
@@ -226,7 +228,7 @@ struct EyeHistory {
     pushed: u64,
     /// Number of pictures dropped when the newest one was shown.
     lost: usize,
-    /// Whether the newest picture is in another space than the others, so that it cannot be turned to them.
+    /// Whether the newest picture is in another space than the others, or in one that moves, so that it cannot be turned to them.
     has_moved: bool,
     lists: EyeLists,
 }
@@ -300,7 +302,7 @@ impl EyeHistory {
         if !goes_on {
             self.len = 0;
         }
-        self.has_moved = goes_on && was_in != Some(shown.space);
+        self.has_moved = goes_on && (was_in != Some(shown.space) || !shown.rests);
         self.of = Some((shown.substitute, shown.space));
         let is_new = match self.pictures.first_mut().filter(|_| self.len > 0) {
             // The same picture again, even if it is submitted with another pose.
@@ -317,7 +319,7 @@ impl EyeHistory {
         let intact = 1 + earlier.take_while(|kept| is_intact(kept.release)).count();
         self.lost = self.len - intact;
         self.keep(intact);
-        goes_on && is_new && !self.has_moved
+        goes_on && is_new && shown.rests && !self.has_moved
     }
 
     /// Keeps that many pictures, with their depth if that is still available.

@@ -5,6 +5,7 @@ use super::regions::{Images, rect_within, region};
 use crate::kernels::change::ChangeRegion;
 use crate::kernels::compose::{ComposeJob, ReuseRegion, RuntimeImages};
 use crate::xr::dispatch::Next;
+use crate::xr::spaces::rests;
 use crate::xr::submission::ProjectionView;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
 use crate::xr::vulkan_device::VulkanDevice;
@@ -79,6 +80,7 @@ impl<'a> Work<'a> {
         Some(ShownEyeBuffer {
             substitute: self.substitute.number,
             space,
+            rests: rests(space),
             time,
             release: self.newest.release,
             image_index: self.newest.index,

@@ -27,6 +27,11 @@ impl AcquiredImages {
         self.acquired.first().copied().filter(|_| self.is_waited)
     }
 
+    /// The same, if no other image is acquired.
+    pub fn ready_alone(&self) -> Option<u32> {
+        self.ready().filter(|_| self.acquired.len() == 1)
+    }
+
     /// An image was released.
     pub fn released(&mut self) {
         self.is_waited = false;
@@ -58,6 +63,7 @@ mod tests {
             assert_eq!(images.ready(), None, "not waited for");
             images.waited();
             assert_eq!(images.ready(), Some(expected));
+            assert_eq!(images.ready_alone(), Some(expected).filter(|last| *last == 1), "of three");
             images.released();
             assert_eq!(images.newest(), Some(expected));
         }

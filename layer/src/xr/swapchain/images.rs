@@ -139,7 +139,7 @@ pub unsafe extern "system" fn acquire_image(
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         // The runtime may have no image until it has the one that is held.
         if let Some(known) = &known {
-            known.release_held(&next, |_| {});
+            known.give_up_holding(&next);
         }
         let Some(substitute) = substitute_of(&known) else {
             let result = answer.record(below());
@@ -181,10 +181,6 @@ pub unsafe extern "system" fn wait_image(
     };
     let pass_on = || substitute_of(&known).map_or_else(below, |substitute| ours(substitute, &|_, _| true));
     guard("xrWaitSwapchainImage", pass_on, |answer| {
-        // One image at a time is waited for and not released.
-        if let Some(known) = &known {
-            known.release_held(&next, |_| {});
-        }
         let result = answer.record(match (&known, substitute_of(&known)) {
             (Some(known), Some(substitute)) => {
                 ours(substitute, &|image, timeout| known.waits_until_free(substitute, image, timeout))
@@ -222,7 +218,7 @@ pub unsafe extern "system" fn release_image(
             // SAFETY: valid usage: `info` is null or valid.
             let is_plain = unsafe { info.as_ref() }.is_none_or(|info| info.next.is_null());
             if let Some(known) = &known {
-                known.release_held(&next, |_| {});
+                known.give_up_holding(&next);
             }
             if known.as_ref().is_some_and(|known| is_plain && known.holds_release()) {
                 return answer.record(xr::Result::SUCCESS);
@@ -232,7 +228,7 @@ pub unsafe extern "system" fn release_image(
                 if let Some(index) = known.acquired_images().ready() {
                     // SAFETY: in this call the queue is the runtime's, hence ours, and until it returns the image is the application's,
                     // which has submitted all that draws to it. The debug view comes last: nothing of it is analysed.
-                    attempt("the contrast of an image", || unsafe { analyze_released(known, index) });
+                    attempt("the contrast of an image", || unsafe { analyze_released(&[(known, index)]) });
                     // SAFETY: as above.
                     attempt("the debug view", || unsafe { draw_over_released(known, index) });
                 }

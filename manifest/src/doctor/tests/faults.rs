@@ -154,15 +154,6 @@ const FAULTS: &[Fault] = &[
         false,
     ),
     (
-        "no Vulkan loader",
-        |machine| {
-            machine.remove(&machine.path("usr/lib/libvulkan.so.1"));
-            machine.probed.vulkan = Err("libvulkan.so.1: cannot open shared object file".to_owned());
-        },
-        &["no-vulkan-loader", "cannot-check"],
-        false,
-    ),
-    (
         "no runtime",
         |machine| machine.remove(&machine.path("home/.config/openxr/1/active_runtime.json")),
         &["no-runtime"],

@@ -2,7 +2,9 @@
 //! all descriptors of vkd3d-proton and most of DXVK are unknown.
 
 use crate::frame_graphs::Arrangement;
-use crate::frame_graphs::frame::{BYTES, DEPTH, Frame, HDR, Image, LDR, NORMALS, eye_of, rect_of};
+use crate::frame_graphs::frame::{
+    BYTES, DEPTH, Frame, HDR, Image, LDR, MASK, NORMALS, VELOCITY, eye_of, rect_of,
+};
 use crate::frame_graphs::step::{Step, Truth::Eye as IsEye, Truth::FullScreen, Truth::Shading};
 use crate::frame_graphs::textures::{Texture, draw_all, draw_all_late};
 use parafovea::pass_detection::TransferKind;
@@ -61,6 +63,30 @@ pub(crate) fn dxvk_deferred(frame: &mut Frame<'_>, textures: &[Texture]) {
         frame.add(Step::new("tone-map", FullScreen, &[mapped]).full_screen(&[lit]));
         frame.add(Step::new("FXAA", FullScreen, &[smooth]).full_screen(&[mapped]));
         submit(frame, view, smooth);
+    }
+    draw_all_late(frame, textures);
+}
+
+/// The same with normals of two components and occlusion before lighting.
+pub(crate) fn dxvk_deferred_thin(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let depth = frame.image("depth", 0, size, DEPTH);
+    let buffers = [frame.image("albedo", 0, size, BYTES), frame.image("octahedral", 0, size, VELOCITY)];
+    let occlusion = frame.image("occlusion", 0, size, MASK);
+    let lit = frame.image("lit", 0, size, HDR);
+    for view in 0..2 {
+        let is_eye = IsEye(eye_of(view));
+        let extent = frame.eye;
+        let mapped = frame.image("eye texture", view, extent, LDR);
+        frame.add(Step::new("G-buffer", is_eye, &buffers).clears(depth).meshes(620, &sampled));
+        frame.add(Step::new("occlusion", FullScreen, &[occlusion]).full_screen(&[buffers[1], depth]));
+        let mut read = buffers.to_vec();
+        read.extend([occlusion, depth]);
+        frame.add(Step::new("lighting", Shading(eye_of(view)), &[lit]).full_screen(&read));
+        frame.add(Step::new("forward", is_eye, &[lit]).over().loads(depth).meshes(40, &sampled));
+        frame.add(Step::new("tone-map", FullScreen, &[mapped]).full_screen(&[lit]));
+        submit(frame, view, mapped);
     }
     draw_all_late(frame, textures);
 }

@@ -3,6 +3,7 @@
 use crate::frame_graphs::frame::{BYTES, DEPTH, Frame, HDR, IDENTITY, Image, LDR, NORMALS, eye_of};
 use crate::frame_graphs::step::{Step, Truth, Truth::Eye as IsEye, Truth::FullScreen, Truth::Shading};
 use crate::frame_graphs::textures::{Texture, draw_all, draw_all_late};
+use ash::vk;
 
 /// Straight into a swapchain for each eye.
 pub(crate) fn straight(frame: &mut Frame<'_>, textures: &[Texture]) {
@@ -143,14 +144,86 @@ pub(crate) fn cockpit(frame: &mut Frame<'_>, textures: &[Texture]) {
     draw_all_late(frame, textures);
 }
 
+/// A dome without depth, and the scene over it; a page of the picture's size is composed by the tone mapping.
+pub(crate) fn dome(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let depth = frame.image("depth", 0, size, DEPTH);
+    let page = frame.image("visor", 0, size, BYTES);
+    frame.add(Step::new("visor", Truth::Texture, &[page]).quads(60, &[]).small_meshes(9, 200, &[]));
+    for view in 0..2 {
+        let is_eye = IsEye(eye_of(view));
+        let color = frame.image("bright", view, size, HDR);
+        frame.add(Step::new("sky", is_eye, &[color]).meshes(6, &[]));
+        frame.add(Step::new("scene", is_eye, &[color]).over().clears(depth).meshes(300, &sampled));
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("tone-map", FullScreen, &[swapchain]).full_screen(&[color, page]));
+    }
+    draw_all_late(frame, textures);
+}
+
+/// Numbers of objects beside the colours, for outlines.
+pub(crate) fn outlines(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let depth = frame.image("depth", 0, size, DEPTH);
+    let numbers = frame.image("numbers", 0, size, vk::Format::R32_UINT);
+    for view in 0..2 {
+        let is_eye = IsEye(eye_of(view));
+        let color = frame.image("bright", view, size, HDR);
+        frame.add(Step::new("scene", is_eye, &[color, numbers]).clears(depth).meshes(300, &sampled));
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("outlines", FullScreen, &[swapchain]).full_screen(&[color, numbers]));
+    }
+    draw_all_late(frame, textures);
+}
+
+/// A film in each eye, and a panel for a layer of its own.
+pub(crate) fn film(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let _ = draw_all(frame, textures);
+    let side = frame.eye[0];
+    let panel = frame.image("panel", 0, [side; 2], BYTES);
+    frame.add(Step::new("panel", Truth::Texture, &[panel]).quads(60, &[]).small_meshes(9, 300, &[]));
+    for view in 0..2 {
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("film", IsEye(eye_of(view)), &[swapchain]).quads(1, &[]));
+    }
+}
+
+/// Numbers of triangles, shaded by compute; a last pass reads its picture.
+pub(crate) fn visibility_compute(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let _ = draw_all(frame, textures);
+    let size = frame.size();
+    let depth = frame.image("depth", 0, size, DEPTH);
+    let identity = frame.image("identity", 0, size, IDENTITY);
+    for view in 0..2 {
+        let is_eye = IsEye(eye_of(view));
+        frame.add(Step::new("identity", is_eye, &[identity]).clears(depth).meshes(300, &[]));
+        let lit = frame.image("lit", 0, size, HDR);
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("tone-map", FullScreen, &[swapchain]).full_screen(&[lit]));
+    }
+    draw_all_late(frame, textures);
+}
+
 /// An interface of many meshes over the mapped picture, which a last pass brings to the swapchain.
 pub(crate) fn interface_over_picture(frame: &mut Frame<'_>, textures: &[Texture]) {
+    draw_interface_over_picture(frame, textures, |view| view);
+}
+
+/// The same in an image that both eyes share.
+pub(crate) fn interface_in_pool(frame: &mut Frame<'_>, textures: &[Texture]) {
+    draw_interface_over_picture(frame, textures, |_| 0);
+}
+
+/// `number` gives the number of the mapped image of an eye.
+fn draw_interface_over_picture(frame: &mut Frame<'_>, textures: &[Texture], number: impl Fn(usize) -> usize) {
     let sampled = draw_all(frame, textures);
     let size = frame.size();
     let depth = frame.image("depth", 0, size, DEPTH);
     for view in 0..2 {
         let color = frame.image("bright", view, size, HDR);
-        let mapped = frame.image("mapped", view, size, LDR);
+        let mapped = frame.image("mapped", number(view), size, LDR);
         frame.add(Step::new("scene", IsEye(eye_of(view)), &[color]).clears(depth).meshes(300, &sampled));
         frame.add(Step::new("tone-map", FullScreen, &[mapped]).full_screen(&[color]));
         frame.add(Step::new("interface", FullScreen, &[mapped]).over().quads(40, &[]).meshes(12, &[]));

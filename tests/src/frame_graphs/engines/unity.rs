@@ -32,6 +32,25 @@ pub(crate) fn urp_multi_pass(frame: &mut Frame<'_>, textures: &[Texture]) {
     draw_all_late(frame, textures);
 }
 
+/// URP, multi-pass, where the opaque copy is a copy, made and read by both eyes, and bound in opaque draws too.
+pub(crate) fn urp_copied(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let mut sampled = draw_all(frame, textures);
+    let size = frame.size();
+    let color = frame.image("_CameraColorAttachmentA", 0, size, PACKED);
+    let depth = frame.image("_CameraDepthAttachment", 0, size, DEPTH);
+    let opaque = frame.image("_CameraOpaqueTexture", 0, size, PACKED);
+    sampled.push(opaque);
+    for view in 0..2 {
+        let is_eye = IsEye(eye_of(view));
+        frame.add(Step::new("opaque", is_eye, &[color]).clears(depth).meshes(420, &sampled));
+        frame.copy(color, opaque);
+        frame.add(Step::new("transparent", is_eye, &[color]).over().loads(depth).meshes(35, &sampled));
+        let swapchain = frame.swapchain(view);
+        frame.add(Step::new("uber post", FullScreen, &[swapchain]).full_screen(&[color]));
+    }
+    draw_all_late(frame, textures);
+}
+
 /// URP, single-pass instanced: arrays of two, with bloom.
 pub(crate) fn urp_instanced(frame: &mut Frame<'_>, textures: &[Texture]) {
     let sampled = draw_all(frame, textures);

@@ -78,6 +78,25 @@ pub(crate) fn temporal_copied(frame: &mut Frame<'_>, textures: &[Texture]) {
     draw_temporal_compute(frame, textures, |_, _| Vec::new());
 }
 
+/// The same without draws after the G-buffer, and with two passes after the upscaler.
+pub(crate) fn temporal_plain(frame: &mut Frame<'_>, textures: &[Texture]) {
+    let sampled = draw_all(frame, textures);
+    let (wide, shown) = (frame.wide(), [2 * frame.eye[0], frame.eye[1]]);
+    let depth = frame.image("SceneDepthZ", 0, wide, DEPTH);
+    let buffers = [
+        frame.image("GBufferA", 0, wide, NORMALS),
+        frame.image("GBufferB", 0, wide, BYTES),
+        frame.image("GBufferC", 0, wide, BYTES),
+    ];
+    frame.add(Step::new("base pass", IsEye(None), &buffers).clears(depth).meshes(560, &sampled));
+    // Written by compute, as its lighting is.
+    let upscaled = frame.image("TSR.Output", 0, shown, HDR);
+    let mapped = frame.image("mapped", 0, shown, BYTES);
+    frame.add(Step::new("tone-map", FullScreen, &[mapped]).full_screen(&[upscaled]));
+    to_swapchain(frame, "to the swapchain", &[mapped]);
+    draw_all_late(frame, textures);
+}
+
 /// `read` gives the images that are followed of those which tone mapping reads.
 fn draw_temporal_compute(
     frame: &mut Frame<'_>,

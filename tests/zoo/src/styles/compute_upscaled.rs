@@ -18,7 +18,7 @@ pub const STYLE: Style = Style {
     name: "compute-upscaled",
     says: "each eye at 0.67 of its size, scaled up by compute, then tone-mapped into its swapchain",
     direct: false,
-    likeness: Some(14.0),
+    likeness: None,
     can_set_rates: true,
     passes: |size, _| {
         let scene = |eyes| PassTruth::new(small(size), HDR, eyes, "scene");

@@ -49,7 +49,8 @@ impl Provenance {
                             let (found, has_unknown) = self.origins(index, pass, events, known, depth + 1);
                             self.doubts -= is_doubtful;
                             // A pass without sources of its own draws over the existing picture.
-                            let is_over = self.is_over(index, image, &found, events);
+                            let is_over =
+                                pass.facts.loads_color && self.is_over(index, image, &found, events);
                             if !found.is_empty() || has_unknown {
                                 sources.extend(
                                     found

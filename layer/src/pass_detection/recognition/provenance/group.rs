@@ -70,7 +70,7 @@ impl Groups {
     /// Adds a pass to the camera that it goes on with, or to one of its own.
     ///
     /// A pass that clears depth but loads the picture draws over it, as cockpits and tools in hand are drawn. Images of a pool are loaded too, by
-    /// Direct3D's rules, but are read before another camera draws to them.
+    /// Direct3D's rules, but are read before another camera draws to them; with unknown reads, which compute's may be too, none is over another.
     pub(super) fn join(&mut self, index: usize, pass: &Pass, events: &[Event]) -> usize {
         let color = pass.colors.first().copied();
         let by_depth =
@@ -80,8 +80,15 @@ impl Groups {
             let (_, group) = *self.colors.iter().rev().find(|(known, _)| *known == color)?;
             let last = *self.all[group].passes.last()?;
             let is_over = || {
-                let is_read = |event: &Event| reads(event, color.image);
-                pass.facts.loads_color && !events[last..index].iter().any(is_read)
+                let is_left = |event: &Event| reads(event, color.image) || clears(event, color.image);
+                let may_read_more = |reads: &Reads| reads.may_read_more;
+                let is_known = pass.draws.as_ref().is_some_and(|draws| {
+                    !may_read_more(&draws.read_by_quads) && !may_read_more(&draws.read_by_meshes)
+                });
+                pass.facts.loads_color
+                    && is_known
+                    && !reads(&events[last], color.image)
+                    && !events[last + 1..index].iter().any(is_left)
             };
             (pass.depth.is_none() || is_over()).then_some(group)
         };
@@ -99,6 +106,7 @@ impl Groups {
             self.all.len() - 1
         });
         self.all[group].passes.push(index);
+        self.all[group].has_depth |= pass.depth.is_some();
         for (list, target) in [(&mut self.depths, pass.depth), (&mut self.colors, color)] {
             let Some(target) = target else { continue };
             match list.iter_mut().find(|(known, _)| *known == target) {
@@ -121,6 +129,16 @@ fn reads(event: &Event, image: ImageKey) -> bool {
             let may_read = |reads: &Reads| reads.may_read_more || reads.images.contains(&image);
             may_read(&draws.read_by_quads) || may_read(&draws.read_by_meshes)
         }),
+    }
+}
+
+/// Whether an event replaces the content of an image.
+fn clears(event: &Event, image: ImageKey) -> bool {
+    match event {
+        Event::Transfer(transfer) => transfer.to.image == image,
+        Event::Pass(pass) => {
+            !pass.facts.loads_color && pass.colors.first().is_some_and(|first| first.image == image)
+        }
     }
 }
 

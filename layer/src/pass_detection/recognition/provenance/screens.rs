@@ -81,9 +81,9 @@ impl Provenance {
         let drawn: SmallVec<[ImageKey; 8]> =
             reads().filter(|image| self.is_drawn_by(*image, &[camera], events)).collect();
         let shows = match drawn.is_empty() {
-            false => !is_g_buffer(&drawn, events, known),
+            false => !is_g_buffer(&drawn, events, known) && !are_of_one_pass(&drawn, events),
             true if quads.may_read_more || meshes.may_read_more => {
-                !self.may_shade(index, pass, events, known)
+                !self.may_shade((index, pass), events, known, true)
             }
             true => reads().any(|image| {
                 let is_colour = |image: ImageDescription| candidate::holds_colours(image.format);
@@ -104,46 +104,70 @@ impl Provenance {
     ) -> Role {
         let may_be_eye = |group: &Group| group.role() == Role::Eye || group.looks_like_eye(events, known);
         let is_off_screen = |group: &Group| !group.is_direct && group.passes[0] < index && may_be_eye(group);
-        let writes_picture = self.nodes[index].writes_picture;
-        if !(has_unknown || writes_picture) || !self.groups.all.iter().any(is_off_screen) {
-            return Role::Unknown;
-        }
         let reads = || pass.draws.iter().flat_map(|draws| [&draws.read_by_quads, &draws.read_by_meshes]);
         let images: SmallVec<[ImageKey; 16]> =
             reads().flat_map(|reads| reads.images.iter().copied()).collect();
-        if !has_unknown && !images.is_empty() && is_g_buffer(&images, events, known) {
-            return Role::Unknown;
-        }
         // A single colour image, written by compute, is a picture; several images, or identities, may be a G-buffer.
         let shows_one =
             || !reads().any(|reads| reads.may_read_more) && !known.is_shading(images.iter().copied());
+        let writes_picture = self.nodes[index].writes_picture;
+        // The last pass shows the scene also if its reads are not followed; beside fewer cameras than eyes it may be the scene, such as a film.
+        let shows_picture = writes_picture && self.has_eyes;
+        if !(has_unknown || shows_picture || (writes_picture && shows_one()))
+            || !self.groups.all.iter().any(is_off_screen)
+        {
+            return Role::Unknown;
+        }
+        if !has_unknown && !images.is_empty() && is_g_buffer(&images, events, known) {
+            return Role::Unknown;
+        }
         let is_other = |group: &Group| group.role() != Role::Eye && group.looks_like_eye(events, known);
         let is_alone = || !self.groups.all.iter().any(is_other);
         let shades = has_unknown
             && !shows_one()
-            && self.may_shade(index, pass, events, known)
+            && self.may_shade((index, pass), events, known, false)
             && (writes_picture || is_alone());
         if shades { Role::Eye } else { Role::FullScreen }
     }
 
     /// Whether a full-screen pass with unknown reads may shade the scene: it is the first after the G-buffer of an eye, and no camera of an eye
-    /// has drawn lit colours since then.
-    fn may_shade(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> bool {
+    /// has drawn lit colours since then. Under a camera that draws on, passes between to images without colours do not count: occlusion.
+    fn may_shade(
+        &self,
+        (index, pass): (usize, &Pass),
+        events: &[Event],
+        known: &Known<'_>,
+        is_under: bool,
+    ) -> bool {
         let (mut passes_between, mut buffers) = (0, 0);
         for (earlier, event) in events[..index].iter().enumerate().rev() {
             let Event::Pass(other) = event else { continue };
             match self.nodes[earlier].kind {
                 Kind::Camera => {
                     let is_eye = self.groups.all[self.nodes[earlier].group].role() == Role::Eye;
-                    let colors = || other.colors.iter().map(|target| target.image);
-                    if is_eye && buffers == 0 && !other.colors.is_empty() && !known.is_shading(colors()) {
+                    if !is_eye || other.colors.is_empty() {
+                        continue;
+                    }
+                    // A thin G-buffer has colours and normals of two components, as a picture with velocities has.
+                    let is_thin = is_under && other.colors.len() > 1;
+                    let is_buffer =
+                        is_thin || known.is_shading(other.colors.iter().map(|target| target.image));
+                    if buffers == 0 && !is_buffer {
                         return false;
                     }
-                    buffers += usize::from(is_eye && !other.colors.is_empty() && known.is_shading(colors()));
+                    buffers += usize::from(is_buffer);
                 }
                 Kind::Screen { .. } if buffers > 0 => break,
                 Kind::Screen { .. } => {
-                    passes_between += usize::from(area(other) == area(pass));
+                    let holds_colours = |image| {
+                        known
+                            .memory
+                            .description(image)
+                            .is_none_or(|image| candidate::holds_colours(image.format))
+                    };
+                    let is_mask =
+                        is_under && !other.colors.first().is_some_and(|first| holds_colours(first.image));
+                    passes_between += usize::from(area(other) == area(pass) && !is_mask);
                 }
                 Kind::Transfer | Kind::Other => {}
             }
@@ -152,22 +176,27 @@ impl Provenance {
     }
 }
 
-/// Whether images may be a G-buffer: no colours, numbers of triangles, or at least two colour targets of one pass. Colours of several passes are composed: translucency
-/// in an image of its own, a history, outlines.
+/// Whether images may be a G-buffer: no colours, numbers of triangles beside colours of other cameras, or at least two colour targets of one
+/// pass. Colours of several passes are composed: translucency in an image of its own, a history, outlines.
 fn is_g_buffer(images: &[ImageKey], events: &[Event], known: &Known<'_>) -> bool {
-    let holds_colours = |image: &&ImageKey| {
-        known.memory.description(**image).is_some_and(|image| candidate::holds_colours(image.format))
+    let format = |image: &ImageKey| known.memory.description(*image).map(|image| image.format);
+    let holds_colours = |image: &&ImageKey| format(image).is_some_and(candidate::holds_colours);
+    let colours: SmallVec<[ImageKey; 8]> = images.iter().filter(holds_colours).copied().collect();
+    // Numbers of objects beside the picture that was drawn with them are for outlines.
+    let is_numbered = |image: &ImageKey| {
+        format(image).is_some_and(candidate::holds_identities)
+            && !colours.iter().any(|colour| are_of_one_pass(&[*image, *colour], events))
     };
-    let colours: SmallVec<[&ImageKey; 8]> = images.iter().filter(holds_colours).collect();
-    let draws_two = |event: &Event| match event {
+    colours.is_empty() || images.iter().any(is_numbered) || are_of_one_pass(&colours, events)
+}
+
+/// Whether one pass draws, or resolves to, at least two of these images.
+fn are_of_one_pass(images: &[ImageKey], events: &[Event]) -> bool {
+    events.iter().any(|event| match event {
         Event::Transfer(_) => false,
         Event::Pass(pass) => [&pass.colors[..], &pass.resolves[..]].iter().any(|targets| {
-            let is_drawn = |image: &&&ImageKey| targets.iter().any(|target| target.image == ***image);
-            colours.iter().filter(is_drawn).count() > 1
+            let is_drawn = |image: &&ImageKey| targets.iter().any(|target| target.image == **image);
+            images.iter().filter(is_drawn).count() > 1
         }),
-    };
-    let holds_identities = |image: &ImageKey| {
-        known.memory.description(*image).is_some_and(|image| candidate::holds_identities(image.format))
-    };
-    colours.is_empty() || images.iter().any(holds_identities) || events.iter().any(draws_two)
+    })
 }

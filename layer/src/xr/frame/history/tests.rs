@@ -15,6 +15,7 @@ fn shown(number: u64) -> ShownEyeBuffer {
     ShownEyeBuffer {
         substitute: 1,
         space: xr::Space::from_raw(7),
+        rests: true,
         time: xr::Time::from_nanos(number as i64 * FRAME_NS),
         release: number,
         image_index: (number % 5) as u32,

@@ -88,7 +88,7 @@ pub fn table() -> LinkTable {
         capabilities,
         swapchain,
         begin_frame,
-        eye_buffer,
+        eye_buffers,
         eye_view,
         end_frame,
         stale,
@@ -273,8 +273,8 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
 /// # Safety
 ///
 /// As the call.
-unsafe extern "C" fn eye_buffer(_: vk::Device, _: *const EyeBufferRecord) {
-    note("eye_buffer");
+unsafe extern "C" fn eye_buffers(_: vk::Device, _: *const EyeBufferRecord, _: u32) {
+    note("eye_buffers");
 }
 
 unsafe extern "C" fn eye_view(_: vk::Device, _: *const EyeViewRecord) {

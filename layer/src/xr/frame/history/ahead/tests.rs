@@ -24,6 +24,7 @@ fn shown(number: u64, view: planner::View) -> ShownEyeBuffer {
     ShownEyeBuffer {
         substitute: 1,
         space: xr::Space::from_raw(7),
+        rests: true,
         time: xr::Time::from_nanos(number as i64 * 11_111_111),
         release: number,
         image_index: (number % IMAGES) as u32,
