@@ -17,16 +17,19 @@ use std::sync::{MutexGuard, PoisonError};
 #[derive(Debug, Default)]
 pub struct Held {
     index: Option<u32>,
-    /// Whether nothing is held any more: the application takes its next image before the frame ends.
-    is_given_up: bool,
+    /// Number of frames in a row in which the application took its next image before it ended the frame, or ended none.
+    early_frames: u32,
 }
+
+/// Early frames in a row after which nothing is held any more.
+const MOST_EARLY_FRAMES: u32 = 3;
 
 impl Swapchain {
     /// Whether the application's release of its image is held: the layer works on the image when the frame ends. Not with several images at a time:
     /// another one can be waited for only after the release.
     pub(super) fn holds_release(&self) -> bool {
         let may_use = self.session.submits_late() && !self.session.is_asleep() && uses_released(self);
-        if !may_use || self.held().is_given_up {
+        if !may_use || self.held().early_frames >= MOST_EARLY_FRAMES {
             return false;
         }
         let Some(index) = self.acquired_images().ready_alone() else { return false };
@@ -35,27 +38,29 @@ impl Swapchain {
         true
     }
 
-    /// Releases the held image, if there is one, before the frame has ended, and holds no further ones.
-    pub(super) fn give_up_holding(&self, next: &Next) {
-        if self.held().index.is_none() {
+    /// Releases the held image, if there is one, before the frame has ended. Nothing is held any more where that is the rule.
+    pub(super) fn release_early(&self, next: &Next) {
+        let mut held = self.held();
+        if held.index.is_none() {
             return;
         }
-        self.held().is_given_up = true;
-        tracing::info!(
-            "rates by eccentricity alone in a swapchain: the application takes its next image before it ends the frame"
-        );
-        self.release_held(next, |_| {});
+        held.early_frames += 1;
+        if held.early_frames == MOST_EARLY_FRAMES {
+            tracing::info!(
+                "rates by eccentricity alone in a swapchain, without debug views: the application takes its next image before it ends \
+                 the frame"
+            );
+        }
+        self.release(next, &mut held);
     }
 
-    /// Releases the held image, if there is one, after `work` on it. The swapchain is not destroyed meanwhile.
-    fn release_held(&self, next: &Next, work: impl FnOnce(u32)) {
-        let mut held = self.held();
-        // Of two threads one releases it.
-        let Some(index) = held.index.take() else { return };
-        work(index);
+    /// Releases the held image.
+    fn release(&self, next: &Next, held: &mut Held) {
+        held.index = None;
         let info =
             xr::SwapchainImageReleaseInfo { ty: xr::SwapchainImageReleaseInfo::TYPE, next: ptr::null() };
-        // SAFETY: the next layer's function with a live swapchain of the application, which has asked for this call.
+        // SAFETY: the next layer's function with a live swapchain of the application, which has asked for this call; destroying it waits for
+        // the lock of `held`.
         let result = unsafe { (next.release_swapchain_image)(self.handle, &info) };
         if result.into_raw() < 0 {
             tracing::debug!("an image was not returned to the runtime: {result:?}");
@@ -81,22 +86,27 @@ pub unsafe fn release_held(session: &Session, is_left: bool) {
     if !session.submits_late() {
         return;
     }
-    let of_session = |swapchain: &Swapchain| {
-        swapchain.session.handle == session.handle && swapchain.held().index.is_some()
-    };
-    let swapchains = SWAPCHAINS.filter::<8>(of_session);
-    let images: SmallVec<[(&Swapchain, u32); 8]> =
-        swapchains.iter().filter_map(|swapchain| Some((&**swapchain, swapchain.held().index?))).collect();
+    let swapchains = SWAPCHAINS.filter::<8>(|swapchain| swapchain.session.handle == session.handle);
+    // Locked until all is done: no other thread releases or destroys them meanwhile.
+    let mut all: SmallVec<[(&Swapchain, u32, MutexGuard<'_, Held>); 8]> = SmallVec::new();
+    for swapchain in &swapchains {
+        let held = swapchain.held();
+        if let Some(index) = held.index {
+            all.push((swapchain, index, held));
+        }
+    }
     if !is_left {
+        let images: SmallVec<[(&Swapchain, u32); 8]> =
+            all.iter().map(|(swapchain, index, _)| (*swapchain, *index)).collect();
         // SAFETY: as `# Safety` demands; the images are the application's until they are released.
         attempt("the contrast of images", || unsafe { analyze_released(&images) });
     }
-    for (swapchain, _) in images {
-        swapchain.release_held(&session.instance.next, |index| {
-            if !is_left {
-                // SAFETY: as above. The debug view comes last: nothing of it is analysed.
-                attempt("the debug view", || unsafe { draw_over_released(swapchain, index) });
-            }
-        });
+    for (swapchain, index, held) in &mut all {
+        if !is_left {
+            // SAFETY: as above. The debug view comes last: nothing of it is analysed.
+            attempt("the debug view", || unsafe { draw_over_released(swapchain, *index) });
+        }
+        held.early_frames = 0;
+        swapchain.release(&session.instance.next, held);
     }
 }

@@ -139,7 +139,7 @@ pub unsafe extern "system" fn acquire_image(
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         // The runtime may have no image until it has the one that is held.
         if let Some(known) = &known {
-            known.give_up_holding(&next);
+            known.release_early(&next);
         }
         let Some(substitute) = substitute_of(&known) else {
             let result = answer.record(below());
@@ -218,7 +218,7 @@ pub unsafe extern "system" fn release_image(
             // SAFETY: valid usage: `info` is null or valid.
             let is_plain = unsafe { info.as_ref() }.is_none_or(|info| info.next.is_null());
             if let Some(known) = &known {
-                known.give_up_holding(&next);
+                known.release_early(&next);
             }
             if known.as_ref().is_some_and(|known| is_plain && known.holds_release()) {
                 return answer.record(xr::Result::SUCCESS);
