@@ -94,8 +94,8 @@ const LEAST_SCALE: f32 = 0.5;
 
 /// The draws of a pass.
 ///
-/// The reads of a draw come from its descriptor sets: images that passes draw to, and those that compute may write as large as a picture.
-/// Others are left out, as hardly any of them holds a picture of the scene.
+/// The reads of a draw come from its descriptor sets: colour targets, and storage images as large as a picture. Other images are left out, as
+/// hardly any of them holds a picture of the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Draws {
     /// Draws of one triangle or two, of one instance or one for each eye: at most [`Draws::QUAD_VERTICES`] vertices, known to the CPU.

@@ -3,16 +3,18 @@
 //! Engines write thousands of descriptors a frame, and hardly one of them names an attachment. Filters rule out most of them without a
 //! look-up.
 
+mod allocated;
 mod filter;
 
 use super::{Objects, View};
 use crate::abi::copies::slice;
 use crate::pass_detection::{ImageKey, Reads};
 use crate::vk::table::Table;
+use allocated::Allocated;
 use ash::vk;
 use ash::vk::Handle;
 use filter::Filter;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -50,48 +52,11 @@ struct Held {
     sweep: u32,
 }
 
-/// Sets of a pool since it was made or reset.
-#[derive(Debug, Default)]
-struct Allocated {
-    sets: Vec<vk::DescriptorSet>,
-    /// Sets that were freed one by one, some of them made again since.
-    freed: Vec<vk::DescriptorSet>,
-    /// Number of live sets when they were counted last.
-    live: usize,
-}
-
-impl Allocated {
-    /// Fewer handles are never searched for repeated ones.
-    const LEAST: usize = 1 << 12;
-
-    fn add(&mut self, sets: &[vk::DescriptorSet]) {
-        if self.sets.len() + sets.len() > (2 * self.live).max(Self::LEAST) {
-            self.leave_out_freed();
-        }
-        self.sets.extend_from_slice(sets);
-    }
-
-    fn leave_out_freed(&mut self) {
-        let mut counts: FxHashMap<vk::DescriptorSet, i64> = FxHashMap::default();
-        self.sets.iter().for_each(|set| *counts.entry(*set).or_default() += 1);
-        self.freed.iter().for_each(|set| *counts.entry(*set).or_default() -= 1);
-        self.freed.clear();
-        self.sets.clear();
-        self.sets.extend(counts.into_iter().filter(|(_, count)| *count > 0).map(|(set, _)| set));
-        self.live = self.sets.len();
-    }
-
-    fn clear(&mut self) {
-        self.sets.clear();
-        self.freed.clear();
-    }
-}
-
-/// Most sets with attachments that are kept. Sets go with their pool without being named, so that beyond this number those without a pool are
-/// swept out; if more than half of it stay, all sets are unknown from then on.
+/// Most kept sets. Sets go with their pool without being named, so that beyond this number the sets of former pools are swept out; if more than
+/// half of it stay, all sets are unknown from then on.
 const MOST_SETS: usize = 1 << 16;
 
-/// Least length of an array of all textures, of which unknown elements are read.
+/// Least length of an array of all textures, with reads of unknown elements.
 const LONG: u32 = 32;
 
 impl Descriptors {
@@ -100,7 +65,7 @@ impl Descriptors {
         self.set_filter.may_have(set.as_raw()) || self.is_overrun.load(Ordering::Relaxed)
     }
 
-    /// Whether a set may have attachments that are known.
+    /// Whether a set may have known attachments.
     pub fn may_name(&self, set: vk::DescriptorSet) -> bool {
         self.image_filter.may_have(set.as_raw())
     }

@@ -134,8 +134,8 @@ impl Open {
         self.is_bound_anew(true);
     }
 
-    /// Other sets are bound, some of which may have known attachments. A pass of which unknown reads are noted learns nothing from more of them:
-    /// with sets of unknown content, as DXVK has, each draw would be noted.
+    /// Other sets are bound, with known attachments or without. A pass with noted unknown reads learns nothing from more of them: with sets of
+    /// unknown content, as DXVK has, each draw would be noted.
     fn is_bound_anew(&self, names_attachments: bool) {
         self.may_read.set(self.is_unknown.get() || self.sets.iter().any(|set| set.get() != 0));
         for (noted, has_unknown) in self.noted.iter().zip(&self.has_unknown) {

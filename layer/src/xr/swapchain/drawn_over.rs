@@ -16,7 +16,7 @@ pub enum DrawnOver {
 }
 
 impl Swapchain {
-    /// Calls `draw` with the runtime's images; where nothing may be drawn over them, that is logged once.
+    /// Calls `draw` with the runtime's images; `None`, with a line in the log once, if they cannot be drawn over.
     pub fn draw_over<T>(&self, gpu: &Arc<Gpu>, draw: impl FnOnce(&RuntimeImages) -> T) -> Option<T> {
         let is_new = matches!(*self.drawn_over(), DrawnOver::Unknown);
         if is_new {

@@ -38,7 +38,7 @@ impl Swapchain {
         true
     }
 
-    /// Releases the held image, if there is one, before the frame has ended. Nothing is held any more where that is the rule.
+    /// Releases the held image, if any, before the frame has ended. After [`MOST_EARLY_FRAMES`] in a row nothing is held any more.
     pub(super) fn release_early(&self, next: &Next) {
         let mut held = self.held();
         if held.index.is_none() {
