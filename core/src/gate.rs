@@ -3,7 +3,7 @@
 //! [`Gate`] decides about one technique. It keeps the technique on or off, and measures the alternative in *A/B trials*. A trial has up
 //! to four segments: the state that is kept, the other one, and both again. After 8, 16, 32 ... frames of a segment a line is fitted to the
 //! costs so far, over technique and time; the trial ends once the result has a confidence of 99.95 %, and at the latest
-//! after four segments. A saving of 30 % takes a second, and a saving of 3 % half a minute.
+//! after four segments. A saving of 30 % takes two seconds, and a saving of 3 % half a minute.
 //!
 //! - The start and each new scene have one full trial, of three switches, and one more switch if the state changes at its end. The end
 //!   decides with a confidence of 97 %; without a decision the technique is off. After a trial without a decision but with a likely
@@ -76,8 +76,12 @@ const HIDING_NS: i64 = 1_000_000_000;
 const LEAST: usize = 8;
 
 /// Time for which a technique costs more after it is turned on, nanoseconds: rates become coarse over a quarter of a second, once
-/// the gaze is known. Costs within it do not count ahead of trials.
+/// the gaze is known. Costs within it do not count.
 const RAMP_NS: i64 = 500_000_000;
+
+/// Time without an eye pass, or without a known cost, after which costs are not asked for, nanoseconds: the timestamps of all command
+/// buffers are not free.
+const PATIENCE_NS: i64 = 10_000_000_000;
 
 /// Frames after a switch that do not count: CPU time between two frames has work of the frame before in it, and up to two
 /// frames are under way.
@@ -122,6 +126,8 @@ pub struct Gate {
     last_full_ns: Option<i64>,
     last_hidden_ns: Option<i64>,
     wants_costs: bool,
+    /// Time since which costs were asked for without one of the scene.
+    unanswered_since_ns: Option<i64>,
 }
 
 impl Gate {
@@ -143,6 +149,7 @@ impl Gate {
             last_full_ns: None,
             last_hidden_ns: None,
             wants_costs: true,
+            unanswered_since_ns: None,
         }
     }
 
@@ -224,6 +231,7 @@ impl Gate {
             self.last_hidden_ns = Some(now);
         }
         if self.scenes.frame(frame.passes, now) {
+            self.unanswered_since_ns = None;
             self.begin_scene(now);
         }
         self.record_cost(frame);
@@ -233,8 +241,22 @@ impl Gate {
             self.begin_trial(now);
         }
         let eyes_move = !has_elapsed(self.last_hidden_ns, 10 * HIDING_NS, now);
-        self.wants_costs = self.trial.is_some() || self.is_due(eyes_move, now);
+        self.wants_costs = self.trial.is_some() || self.asks(eyes_move, frame.passes, now);
         self.is_on()
+    }
+
+    /// Whether costs are asked for ahead of a trial that is due: not within a rest of [`RETRY_REST_NS`] after [`PATIENCE_NS`] without
+    /// any, nor after it without eye passes.
+    fn asks(&mut self, eyes_move: bool, passes: Option<u32>, now: i64) -> bool {
+        if !self.is_due(eyes_move, now) {
+            self.unanswered_since_ns = None;
+            return false;
+        }
+        let since = self.unanswered_since_ns.map_or(now, |since| since.min(now));
+        let has_rested = now.saturating_sub(since) >= PATIENCE_NS + RETRY_REST_NS && passes.is_some();
+        let since = if has_rested { now } else { since };
+        self.unanswered_since_ns = Some(since);
+        now.saturating_sub(since) < PATIENCE_NS
     }
 
     /// Begins a scene with its earlier decision, or else with a full trial.
@@ -262,10 +284,12 @@ impl Gate {
         let is_ramping = frame.was_on && !has_elapsed(Some(self.on_since_ns), RAMP_NS, frame.time_ns);
         let cost = frame.cost_ns.filter(|&cost| cost > 0 && self.same >= SETTLING);
         let Some(cost) = cost.filter(|_| self.scenes.is_current(frame.passes)) else { return };
+        self.unanswered_since_ns = None;
         let cost = Cost { time_ns: frame.time_ns, ln: (cost as f64).ln() as f32 };
         match &mut self.trial {
+            _ if is_ramping => {}
             Some(running) if frame.was_on == running.trial.is_on() => running.trial.push(cost),
-            None if frame.was_on == self.is_kept_on && !is_ramping => self.recent.push(cost),
+            None if frame.was_on == self.is_kept_on => self.recent.push(cost),
             _ => {}
         }
     }

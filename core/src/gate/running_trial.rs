@@ -2,7 +2,7 @@
 
 use super::estimate::{Estimate, FINAL, STRICT};
 use super::trial::{SEGMENTS, Trial};
-use super::{CONTROL_NS, LEAST, SEGMENT_NS, Verdict};
+use super::{CONTROL_NS, LEAST, RAMP_NS, SEGMENT_NS, Verdict};
 
 /// A segment without enough costs ends the trial after this multiple of its longest time.
 const PATIENCE: i64 = 4;
@@ -53,7 +53,8 @@ impl RunningTrial {
     pub(super) fn step(&mut self, now: i64) -> Option<Step> {
         self.segment_began_ns = self.segment_began_ns.min(now);
         let passed = now.saturating_sub(self.segment_began_ns);
-        let longest = if self.is_control { CONTROL_NS } else { SEGMENT_NS };
+        let counted = if self.is_control { CONTROL_NS } else { SEGMENT_NS };
+        let longest = counted + if self.trial.is_on() && self.trial.at() > 0 { RAMP_NS } else { 0 };
         let [frames, frames_before] = self.trial.frames();
         let is_over = passed >= longest && frames >= LEAST;
         let least = if self.trial.at() == 2 { frames_before.min(4 * LEAST) } else { LEAST };

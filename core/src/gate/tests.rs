@@ -283,5 +283,52 @@ fn a_ramp_at_the_start_does_not_prolong_the_first_trial() {
     let frames = decide();
     let (ratio, _) = gate.evidence().ratio().unwrap();
     assert!(gate.is_kept() && (ratio - 0.6).abs() < 0.01, "{ratio}");
-    assert!(frames < 120, "{frames}");
+    // Two ramps of 45 frames.
+    assert!(frames < 150, "{frames}");
+}
+
+/// Rates become coarse anew after each switch. A trial that begins without them saw only the frames before that, and took a saving for none:
+/// at 144 Hz these are 18 frames, and the first estimate comes after 10.
+#[test]
+fn a_ramp_after_a_switch_hides_no_saving() {
+    for hz in [45.0, 90.0, 144.0] {
+        let mut simulation = Simulation::new(11).noise(0.005).eyes(Eyes::Rest).rate(hz);
+        let mut gate = Gate::new(GateMode::Auto);
+        let mut on_since = Some(0);
+        let mut kept = Vec::new();
+        for (passes, ratio) in [(1, 1.4), (2, 0.8)] {
+            let end = simulation.now() + 100 * SECOND;
+            while simulation.now() < end {
+                let is_on = gate.is_on();
+                on_since = if is_on { on_since.or(Some(simulation.now())) } else { None };
+                let on_for_s = on_since.map_or(0.0, |since| (simulation.now() - since) as f64 / 1e9);
+                let factor = 1.0 + (ratio - 1.0) * ((on_for_s - 0.125) / 0.25).clamp(0.0, 1.0);
+                let frame = simulation.frame_with_factor(is_on, factor);
+                gate.frame(&GateFrame { passes: Some(passes), ..frame }, true);
+            }
+            kept.push(gate.is_kept());
+        }
+        assert_eq!(kept, [false, true], "{hz} Hz");
+    }
+}
+
+/// Without eye passes, or with them and never a cost, timestamps are not written for ever; with the first eye pass they are.
+#[test]
+fn costs_that_never_come_are_not_asked_for_all_the_time() {
+    for passes in [None, Some(1)] {
+        let mut gate = Gate::new(GateMode::Auto);
+        let mut simulation = Simulation::new(12);
+        let mut asked = 0;
+        for _ in 0..90 * 120 {
+            let frame = GateFrame { passes, cost_ns: None, ..simulation.frame(gate.is_on()) };
+            gate.frame(&frame, true);
+            asked += u32::from(gate.wants_costs());
+        }
+        let most_s = if passes.is_some() { 31 } else { 11 };
+        assert!((90 * 9..90 * most_s).contains(&asked), "{passes:?}: {asked}");
+        let frame = GateFrame { passes: Some(2), ..simulation.frame(gate.is_on()) };
+        let frame = GateFrame { time_ns: frame.time_ns + 60 * SECOND, ..frame };
+        gate.frame(&frame, true);
+        assert!(gate.wants_costs());
+    }
 }
