@@ -1,4 +1,4 @@
-//! The configuration that holds at this moment, and noticing that its file changed.
+//! The configuration at this moment, and edits of its file.
 
 mod arming;
 mod chroma;
@@ -19,22 +19,34 @@ pub use plan::{
     wants_contrast, wants_maps, wants_reuse,
 };
 
-use crate::abi::executable;
+use crate::abi::{attempt, executable};
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};
 use parafovea_manifest::status::{AskedView, GazeWatch, Settings};
 use std::ops::Deref;
-use std::sync::{Arc, Mutex, TryLockError};
-use std::time::{Duration, Instant, SystemTime};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{Builder, sleep};
+use std::time::{Duration, SystemTime};
 
-/// Edits apply within a second: twice as often is looked.
+/// Time between two looks: edits apply within a second.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
 
-/// One application's configuration, kept current by [`LiveConfig::poll`].
+/// One application's configuration, kept current by a thread from [`LiveConfig::watch`] on: a look at files takes time on the
+/// application's thread, and on a network's file system as long as that wants.
 #[derive(Debug)]
 pub struct LiveConfig {
+    shared: Arc<Shared>,
+    is_watched: AtomicBool,
+}
+
+#[derive(Debug)]
+struct Shared {
     current: ArcSwap<ConfigSnapshot>,
     watched: Mutex<Watched>,
+    /// The configuration before the edits that nobody has taken.
+    before: Mutex<Option<Arc<ConfigSnapshot>>>,
+    is_edited: AtomicBool,
 }
 
 /// The configuration at one moment. A frame has one from its xrBeginFrame to the next.
@@ -76,13 +88,12 @@ struct Watched {
     view: Option<DebugView>,
     /// The last request that the device was not armed for.
     out_of_reach: Option<Arming>,
-    looked: Instant,
 }
 
 impl LiveConfig {
     /// Reads the configuration of `application`, the name that it gives to OpenXR. Where the file has an
     /// error, that is logged, and the defaults hold.
-    pub fn new(environment: &Environment, application: Option<&str>, now: Instant) -> Self {
+    pub fn new(environment: &Environment, application: Option<&str>) -> Self {
         arming::name_application(application);
         let mut watch = Watch::new(environment, application, &executable());
         let (config, source) = watch.poll().map(|read| accept(read, &watch)).unwrap_or_default();
@@ -96,42 +107,80 @@ impl LiveConfig {
             gaze: GazeWatch::new(environment, pid),
             view: None,
             out_of_reach: None,
-            looked: now,
         };
         let snapshot =
             ConfigSnapshot { config, source: Arc::new(source), is_view_asked: false, is_gaze_watched: false };
-        Self { current: ArcSwap::from_pointee(snapshot), watched: Mutex::new(watched) }
+        let shared = Shared {
+            current: ArcSwap::from_pointee(snapshot),
+            watched: Mutex::new(watched),
+            before: Mutex::default(),
+            is_edited: AtomicBool::new(false),
+        };
+        Self { shared: Arc::new(shared), is_watched: AtomicBool::new(false) }
     }
 
     /// The configuration at this moment.
     pub fn snapshot(&self) -> Arc<ConfigSnapshot> {
-        self.current.load_full()
+        self.shared.current.load_full()
     }
 
     /// Puts a configuration in the place of the file's.
     #[cfg(test)]
     pub fn set(&self, config: Config) {
-        self.current.store(Arc::new(ConfigSnapshot { config, ..ConfigSnapshot::default() }));
+        self.shared.current.store(Arc::new(ConfigSnapshot { config, ..ConfigSnapshot::default() }));
     }
 
     /// Puts a snapshot in the place of the last one.
     #[cfg(test)]
     pub fn set_snapshot(&self, snapshot: ConfigSnapshot) {
-        self.current.store(Arc::new(snapshot));
+        self.shared.current.store(Arc::new(snapshot));
     }
 
-    /// Looks for an edit, and for requests of the command `parafovea`, if it is time to; returns whether anything changed. A file with an error changes
-    /// nothing but the source.
-    pub fn poll(&self, now: Instant) -> bool {
-        let mut watched = match self.watched.try_lock() {
-            Ok(watched) => watched,
-            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-            Err(TryLockError::WouldBlock) => return false,
-        };
-        if now.saturating_duration_since(watched.looked) < LOOK_EVERY {
-            return false;
+    /// Begins to look for edits, the first time.
+    pub fn watch(&self) {
+        if self.is_watched.load(Ordering::Relaxed) || self.is_watched.swap(true, Ordering::Relaxed) {
+            return;
         }
-        watched.looked = now;
+        let shared = Arc::downgrade(&self.shared);
+        let watch = move || loop {
+            sleep(LOOK_EVERY);
+            let Some(shared) = shared.upgrade() else { break };
+            attempt("edits of the configuration", || shared.look(SystemTime::now()));
+        };
+        if let Err(error) = Builder::new().name("parafovea-config".to_owned()).spawn(watch) {
+            tracing::warn!(
+                "edits of the configuration take effect after a restart: cannot start a thread: {error}"
+            );
+        }
+    }
+
+    /// Takes the edits since the last call: the configuration before them, `None` without any. The present one is [`Self::snapshot`].
+    pub fn take_edits(&self) -> Option<Arc<ConfigSnapshot>> {
+        if !self.shared.is_edited.load(Ordering::Acquire)
+            || !self.shared.is_edited.swap(false, Ordering::AcqRel)
+        {
+            return None;
+        }
+        self.shared.before().take()
+    }
+}
+
+impl Shared {
+    fn before(&self) -> MutexGuard<'_, Option<Arc<ConfigSnapshot>>> {
+        self.before.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Puts a configuration in the place of the present one.
+    fn store(&self, snapshot: ConfigSnapshot) {
+        let last = self.current.swap(Arc::new(snapshot));
+        self.before().get_or_insert(last);
+        self.is_edited.store(true, Ordering::Release);
+    }
+
+    /// Looks for an edit, and for requests of the command `parafovea`. A file with an error changes nothing but the source.
+    fn look(&self, now: SystemTime) {
+        let mut watched = self.watched.lock().unwrap_or_else(PoisonError::into_inner);
+        let watched = &mut *watched;
         let mut snapshot = ConfigSnapshot::clone(&self.current.load());
         let read = watched.watch.poll().map(|read| accept(read, &watched.watch));
         let is_read = read.is_some();
@@ -140,7 +189,7 @@ impl LiveConfig {
             config
         });
         let view = watched.asked.look();
-        let is_gaze_watched = watched.gaze.look(SystemTime::now());
+        let is_gaze_watched = watched.gaze.look(now);
         let is_watch_new = is_gaze_watched != snapshot.is_gaze_watched;
         snapshot.is_gaze_watched = is_gaze_watched;
         if let Some(config) = edited {
@@ -150,9 +199,9 @@ impl LiveConfig {
         } else if view == watched.view {
             // A file with an error.
             if is_read || is_watch_new {
-                self.current.store(Arc::new(snapshot));
+                self.store(snapshot);
             }
-            return is_read || is_watch_new;
+            return;
         }
         if view != watched.view {
             match view {
@@ -175,8 +224,7 @@ impl LiveConfig {
                 );
             }
         }
-        self.current.store(Arc::new(snapshot));
-        true
+        self.store(snapshot);
     }
 }
 

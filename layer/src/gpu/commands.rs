@@ -218,7 +218,7 @@ impl CommandRing {
     pub(super) fn take_times(&mut self, device: &ash::Device, add: impl FnMut(SubmitTime)) -> Option<u64> {
         for index in 0..self.slots.len() {
             let submit = self.slots[index].submit;
-            if submit != 0 && self.is_finished(device, submit) {
+            if submit != 0 && self.times.is_unread(index) && self.is_finished(device, submit) {
                 self.times.finished(device, index);
             }
         }

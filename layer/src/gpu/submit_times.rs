@@ -103,6 +103,11 @@ impl SubmitTimes {
         self.unread[index] = None;
     }
 
+    /// Whether the timestamps of a command buffer are to be read.
+    pub(super) fn is_unread(&self, index: usize) -> bool {
+        self.unread[index].is_some()
+    }
+
     /// A command buffer has finished on the GPU.
     pub(super) fn finished(&mut self, device: &ash::Device, index: usize) {
         let Some(frame) = self.unread[index].take() else { return };

@@ -45,9 +45,9 @@ impl SessionPlanner {
         snapshot.gpu_decides = self.gpu_decides();
         for eye in &plan.eyes {
             (0..eye.rates.height()).for_each(|row| snapshot.count(eye.rates.row(row)));
-            snapshot.tiles_due += eye.statistics().tiles_due;
+            let statistics = eye.statistics();
+            snapshot.tiles_due += statistics.tiles_due;
+            snapshot.shaded += statistics.pixel_share / 2.0;
         }
-        let [left, right] = &plan.eyes;
-        snapshot.shaded = (left.statistics().pixel_share + right.statistics().pixel_share) / 2.0;
     }
 }

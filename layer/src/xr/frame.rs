@@ -37,7 +37,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use work::Work;
 
-/// `xrWaitFrame`: the time of a frame in which nothing is urgent, so the configuration is read here.
+/// `xrWaitFrame`: the time of a frame in which nothing is urgent, so edits of the configuration are taken here.
 ///
 /// # Safety
 ///
@@ -54,20 +54,19 @@ pub unsafe extern "system" fn wait(
     let below = || unsafe { (next.wait_frame)(handle, info, state) };
     guard("xrWaitFrame", below, |answer| {
         if let Some(known) = &known {
-            let now = Instant::now();
-            let before = known.instance.config.snapshot();
-            let is_edited = known.instance.config.poll(now);
-            if is_edited {
-                edit::report(known, &before);
-            }
+            let config = &known.instance.config;
+            config.watch();
             let sleep = known.active.as_ref().map(|active| &active.plan.sleep);
-            if let Some(sleep) = sleep.filter(|_| is_edited) {
-                sleep.wake();
+            if let Some(before) = config.take_edits() {
+                edit::report(known, &before);
+                if let Some(sleep) = sleep {
+                    sleep.wake();
+                }
             }
             if !sleep.is_some_and(|sleep| sleep.is_asleep()) {
-                let config = known.instance.config.snapshot();
+                let config = config.snapshot();
                 if known.active.is_some() || (known.offer.is_some() && config.gaze.offer) {
-                    known.gaze.open(&config, known.actions.may_have_gaze(), now);
+                    known.gaze.open(&config, known.actions.may_have_gaze(), Instant::now());
                 }
             }
         }

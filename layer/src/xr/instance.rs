@@ -16,7 +16,6 @@ use openxr_sys as xr;
 use openxr_sys::pfn;
 use std::ffi::{CStr, c_char};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Proton asks a runtime for its abilities with an instance of this name, and destroys it at once (peers: Proton,
 /// wineopenxr).
@@ -146,7 +145,7 @@ fn wanted(name: &str) -> Option<LiveConfig> {
     if name == WINE_TEST_INSTANCE {
         return None;
     }
-    let config = LiveConfig::new(&environment, Some(name), Instant::now());
+    let config = LiveConfig::new(&environment, Some(name));
     if !config.snapshot().enabled {
         tracing::info!(
             "OpenXR instance of \"{name}\" inert: enabled = false; an edit takes effect after a restart of the application"

@@ -77,8 +77,8 @@ struct Frame {
     time: Option<xr::Time>,
     /// Whether its views were located.
     is_located: bool,
-    /// Views of later calls, to be taken when the frame ends: the first call planned it.
-    later: Option<SmallVec<[View; 4]>>,
+    /// Views of later calls, and of calls for the next frame, to be taken when the frame ends: the first call planned it.
+    later: Option<LaterViews>,
 }
 
 impl SessionPlan {
@@ -344,6 +344,13 @@ pub fn report_unseen(
     }
 }
 
+/// Located views that planned no frame.
+#[derive(Clone, Debug)]
+struct LaterViews {
+    time: xr::Time,
+    views: SmallVec<[View; 4]>,
+}
+
 /// xrBeginFrame succeeded, for the frame that is shown at `time`.
 pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let state = &active.plan;
@@ -354,14 +361,16 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     state.notify_settings(active, &config);
     {
         let mut planner = state.planner();
-        if let Some(views) = last.later {
-            planner.views.located(&views);
+        if let Some(later) = &last.later {
+            planner.views.located(&later.views);
         }
         planner.frame_begins(time.as_nanos(), count);
     }
-    // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
+    // An application that located the last frame's views will locate this frame's too, and the gaze is newer then. One with a thread ahead of
+    // the render thread has located them already.
     if !last.is_located {
+        let located = last.later.filter(|later| later.time == time).map(|later| later.views);
         watch(session, (active, &config), time);
-        plan(session, (active, &config), time, SmallVec::new());
+        plan(session, (active, &config), time, views::expected(active, &config, located));
     }
 }

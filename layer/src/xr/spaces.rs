@@ -3,7 +3,7 @@
 mod head;
 mod resting;
 
-pub use head::LocatedHead;
+pub use head::{LocatedHead, Precedence};
 pub use resting::{create_reference, destroy, forget_all_of, rests};
 
 use super::dispatch::Next;

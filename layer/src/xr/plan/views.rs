@@ -1,14 +1,14 @@
 //! Planning at the views that the application locates and shows.
 
-use super::SessionPlan;
 use super::work::{FrameTask, PlanInputs};
+use super::{LaterViews, SessionPlan};
 use crate::abi::guard;
 use crate::config::{Config, ConfigSnapshot, GazeSource, wants_reuse};
 use crate::inputs::gaze::rotation;
 use crate::planner::{ShownView, View, head_of};
 use crate::xr::offer::GazeSpace;
 use crate::xr::session::{self, Active, Health, Session, Tools};
-use crate::xr::spaces::rests;
+use crate::xr::spaces::{Precedence, rests};
 use crate::xr::submission::{self, Projection};
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
@@ -96,32 +96,43 @@ fn views_located(session: &Session, active: &Active, info: &xr::ViewLocateInfo, 
     let time = info.display_time;
     let views: SmallVec<[View; 4]> = views.iter().filter_map(|view| of_pose(&view.pose, &view.fov)).collect();
     let state = &active.plan;
+    let head = |precedence| {
+        let orientations = views.iter().map(|view| view.orientation);
+        session.head.views_located(info.space, time, orientations, precedence);
+    };
     let config = {
         let mut frame = state.frame();
         if frame.time != Some(time) || frame.is_located {
-            frame.later = Some(views);
+            head(Precedence::EarlierCall);
+            frame.later = Some(LaterViews { time, views });
             return;
         }
         frame.is_located = true;
         Arc::clone(&frame.config)
     };
-    session.head.views_located(info.space, time, views.iter().map(|view| view.orientation));
+    head(Precedence::ThisCall);
     let is_planned = {
         let mut planner = state.planner();
         planner.views.located(&views);
         planner.is_planned()
     };
-    // The pictures of an application that draws as it should show these views.
-    let expected = match active.health() {
-        Health::Works if wants_reuse(&config) => views,
-        _ => SmallVec::new(),
-    };
+    let expected = expected(active, &config, Some(views));
     if is_planned {
         state.thread.begin(FrameTask { config, time_ns: time.as_nanos(), inputs: None, expected });
     } else {
         watch(session, (active, &config), time);
         plan(session, (active, &config), time, expected);
     }
+}
+
+/// The views of the frame's pictures, for re-use: the located ones, as an application should draw them; else none.
+pub(super) fn expected(
+    active: &Active,
+    config: &Config,
+    located: Option<SmallVec<[View; 4]>>,
+) -> SmallVec<[View; 4]> {
+    let may_reuse = active.health() == Health::Works && wants_reuse(config);
+    located.filter(|_| may_reuse).unwrap_or_default()
 }
 
 /// A projection layer is shown at `time`: the frame is planned now if that was not possible before. No shown object is
@@ -140,11 +151,11 @@ pub fn views_shown(
         Some(ShownView { view: view.view()?, extent })
     });
     let Some(shown) = shown.collect::<Option<SmallVec<[ShownView; 4]>>>() else { return };
-    let later = active.plan.frame().later.take();
+    let later = active.plan.frame().later.take_if(|later| later.time == time);
     let is_planned = {
         let mut planner = active.plan.planner();
-        if let Some(views) = later {
-            planner.views.located(&views);
+        if let Some(later) = later {
+            planner.views.located(&later.views);
         }
         planner.views.shown(space, &shown);
         planner.views.set_nearest(nearest_m);

@@ -16,7 +16,16 @@ const AGREEMENT_RAD: f32 = 0.0175;
 /// Time between two comparisons, nanoseconds.
 const BETWEEN_COMPARISONS_NS: i64 = 4_000_000_000;
 
-/// The head of a session, for the frame whose views were located last.
+/// The call that counts of several ones for a display time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precedence {
+    /// The earlier one.
+    EarlierCall,
+    /// The present one, which plans the frame.
+    ThisCall,
+}
+
+/// The head of a session, for the frames whose views were located last.
 #[derive(Debug, Default)]
 pub struct LocatedHead {
     state: Mutex<State>,
@@ -24,7 +33,8 @@ pub struct LocatedHead {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
-    views: Option<ViewsHead>,
+    /// Of two display times, the newest first: a thread of the application may locate the next frame's views ahead.
+    views: [Option<ViewsHead>; 2],
     comparison: Option<Comparison>,
 }
 
@@ -52,16 +62,29 @@ impl LocatedHead {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The application located its views in `space` for the display time of its frame, the eyes' first.
-    pub fn views_located(&self, space: xr::Space, time: xr::Time, views: impl IntoIterator<Item = Quat>) {
-        self.state().views = head_of(views.into_iter().take(2)).map(|turn| ViewsHead { space, time, turn });
+    /// The application located its views in `space` for the display time of a frame, the eyes' first.
+    pub fn views_located(
+        &self,
+        space: xr::Space,
+        time: xr::Time,
+        views: impl IntoIterator<Item = Quat>,
+        precedence: Precedence,
+    ) {
+        let mut state = self.state();
+        let is_known = state.views.iter().flatten().any(|views| views.time == time);
+        if precedence == Precedence::EarlierCall && is_known {
+            return;
+        }
+        let newest = head_of(views.into_iter().take(2)).map(|turn| ViewsHead { space, time, turn });
+        let last = state.views.into_iter().flatten().find(|views| views.time != time);
+        state.views = [newest, last];
     }
 
     /// The views of that time, in `space` if one is given, and their newest comparison, if that still holds.
     fn known(&self, space: Option<xr::Space>, time: xr::Time) -> Option<(ViewsHead, Option<Comparison>)> {
         let State { views, comparison } = *self.state();
-        let views =
-            views.filter(|views| views.time == time && space.is_none_or(|space| views.space == space))?;
+        let fits = |views: &ViewsHead| views.time == time && space.is_none_or(|space| views.space == space);
+        let views = views.into_iter().flatten().find(fits)?;
         let holds = |comparison: &Comparison| {
             let passed_ns = time.as_nanos().saturating_sub(comparison.time.as_nanos());
             comparison.space == views.space && (0..BETWEEN_COMPARISONS_NS).contains(&passed_ns)

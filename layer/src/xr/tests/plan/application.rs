@@ -50,6 +50,22 @@ impl Application {
         }
     }
 
+    /// Waits for the next frame and locates its views, ends the one under way by `end`, and begins the next.
+    pub(super) fn begin_ahead(&self, end: impl FnOnce()) {
+        DISPLAY_TIME.set(DISPLAY_TIME.get() + FRAME_NS);
+        // SAFETY: as in `begin`.
+        unsafe {
+            let mut state: xr::FrameState = std::mem::zeroed();
+            assert_eq!(frame::wait(self.session, ptr::null(), &mut state), xr::Result::SUCCESS);
+        }
+        self.locate();
+        DISPLAY_TIME.set(DISPLAY_TIME.get() - FRAME_NS);
+        end();
+        DISPLAY_TIME.set(DISPLAY_TIME.get() + FRAME_NS);
+        // SAFETY: as in `begin`.
+        assert_eq!(unsafe { frame::begin(self.session, ptr::null()) }, xr::Result::SUCCESS);
+    }
+
     pub(super) fn locate(&self) {
         locate(self.session, self.space);
     }

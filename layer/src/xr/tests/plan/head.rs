@@ -52,6 +52,29 @@ fn a_steady_frame_locates_no_head() {
     }
 }
 
+/// A thread of the application locates the next frame's views before the render thread ends this frame and begins that one.
+#[test]
+fn views_located_ahead_of_their_frame_replace_locations_too() {
+    let application = application_in(xr::ReferenceSpaceType::LOCAL);
+    look(5.0);
+    application.settle();
+    HEAD_LOCATED.set(0);
+    let session = session::find(application.session).unwrap();
+    let planned = || {
+        let planner = session.active.as_ref().unwrap().plan.planner();
+        planner.head_at(DISPLAY_TIME.get()).unwrap()
+    };
+    application.begin();
+    for frame in 0..900 {
+        let shown = [application.view(0), application.view(1)];
+        HEAD.set(Quat::from_rotation_y(0.02 * frame as f32) * Quat::from_rotation_x(0.2));
+        application.begin_ahead(|| application.end(&shown, None));
+        assert!(planned().angle_between(HEAD.get()).to_degrees() < 0.05, "frame {frame}");
+    }
+    let located = HEAD_LOCATED.get();
+    assert!((4..=6).contains(&located), "{located} times");
+}
+
 #[test]
 fn a_head_that_is_not_the_mean_of_its_views_is_located_in_each_frame() {
     let application = application_in(xr::ReferenceSpaceType::LOCAL);
