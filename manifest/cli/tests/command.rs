@@ -196,6 +196,61 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     assert!(shown.contains("the file has errors") && !shown.contains("changed"), "{shown}");
 }
 
+/// Settings of `Game.exe`, which is "My Game" for OpenXR, have one file, whichever name is typed.
+#[test]
+fn both_names_of_an_application_lead_to_its_one_profile() {
+    let home = TempDir::new().unwrap();
+    let folder = home.path().join(".config/parafovea");
+    let logs = home.path().join(".local/state/parafovea");
+    fs::create_dir_all(&logs).unwrap();
+    fs::write(
+        logs.join("Game.exe.log"),
+        "2026-01-02T03:04:05.678+01:00 77 INFO  OpenXR instance of \"My Game\"\n",
+    )
+    .unwrap();
+    let profile = |arguments: &[&str]| parafovea(home.path(), &[&["profile"], arguments].concat());
+    for [first, second] in [["Game.exe", "My Game"], ["My Game", "Game.exe"]] {
+        let file = folder.join(format!("apps/{first}.toml"));
+        printed(&profile(&["set", first, "rates.foveal_deg", "20.0"]));
+        let said = printed(&profile(&["set", second, "chroma.mode", "default"]));
+        assert!(said.starts_with(&file.display().to_string()), "{said}");
+        let text = fs::read_to_string(&file).unwrap();
+        assert!(text.contains("foveal_deg = 20.0") && text.contains("mode = \"default\""), "{text}");
+        assert_eq!(fs::read_dir(folder.join("apps")).unwrap().count(), 1);
+        assert!(complained(&profile(&["new", second, "proton"])).contains("already exists"));
+        let shown = printed(&profile(&["show", second]));
+        assert!(shown.contains("rates.foveal_deg = 20.0  # set in this file"), "{shown}");
+        let checked = printed(&parafovea(home.path(), &["doctor", "--verbose", second]));
+        assert!(checked.contains(&format!("configuration: {}", file.display())), "{checked}");
+        fs::remove_file(file).unwrap();
+    }
+}
+
+#[test]
+fn a_profile_that_no_game_would_read_is_named_or_refused() {
+    let home = TempDir::new().unwrap();
+    let path = complained(&parafovea(home.path(), &["profile", "set", "/opt/game", "enabled", "true"]));
+    assert!(path.contains("/opt/game is a path"), "{path}");
+    assert!(!home.path().join(".config").exists());
+
+    let other = home.path().join("other.toml");
+    fs::write(&other, "preset = \"quality\"\n").unwrap();
+    for application in ["game", "all", "game"] {
+        let said = Command::new(env!("CARGO_BIN_EXE_parafovea"))
+            .args(["profile", "set", application, "chroma.mode", "default"])
+            .env_clear()
+            .env("HOME", home.path())
+            .env("PARAFOVEA_CONFIG", &other)
+            .output()
+            .unwrap();
+        let said = printed(&said);
+        let shadow = format!("PARAFOVEA_CONFIG is set, and its file, {}, applies", other.display());
+        assert!(said.contains(&shadow) && !said.contains("no longer"), "{said}");
+    }
+    let without = printed(&parafovea(home.path(), &["profile", "set", "game", "chroma.mode", "off"]));
+    assert!(!without.contains("effect"), "{without}");
+}
+
 #[test]
 fn completions_and_manual_have_every_command() {
     let home = TempDir::new().unwrap();

@@ -1,6 +1,7 @@
 //! Surroundings of the program: everything outside of it that findings depend on.
 
 use super::Probed;
+use crate::config::Names;
 use crate::paths::Environment;
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
@@ -16,8 +17,8 @@ pub struct Surroundings {
     pub root: PathBuf,
     /// The library that came with this program, which `--fix` installs.
     pub shipped: Option<PathBuf>,
-    /// The application whose configuration is looked at: its name for OpenXR, or its program.
-    pub application: Option<String>,
+    /// The application whose configuration is looked at; `None`: any without a file of its own.
+    pub application: Option<Names>,
     /// Answers of Vulkan and OpenXR.
     pub probed: Probed,
 }
