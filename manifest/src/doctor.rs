@@ -22,7 +22,7 @@ mod variables;
 
 pub use finding::{Finding, Fix, Severity};
 pub use manifests::installed_elsewhere;
-pub use probed::{CreatedDevice, Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
+pub use probed::{ANSWER_PREFIX, CreatedDevice, Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
 pub use surroundings::Surroundings;
 
 use layers::Layers;

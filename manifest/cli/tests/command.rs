@@ -129,6 +129,38 @@ fn a_doctor_that_can_ask_nobody_says_what_is_wrong_and_fixes_what_is_ours() {
     assert!(findings.iter().all(|finding| finding["id"] != "anybody-may-write"), "{json}");
 }
 
+/// A loader prints to standard output if one of these variables is set, and a driver may fill any pipe.
+#[test]
+fn answers_of_the_helper_are_found_among_the_lines_of_loaders() {
+    // On the file system of the build: the helper lies beside the command, which a link may be, and a copy for writing may be busy.
+    let home = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let command = home.path().join("parafovea");
+    fs::hard_link(env!("CARGO_BIN_EXE_parafovea"), &command).unwrap();
+    let helper = r#"#!/bin/sh
+echo "Info [GENERAL | xrEnumerateApiLayerProperties | OpenXR-Loader] : XR_APILAYER"
+[ -z "$XR_LOADER_DEBUG$VK_LOADER_DEBUG" ] || exit 3
+head -c 200000 /dev/zero >&2
+echo "parafovea-probe: {\"Err\": \"answered $1\"}"
+echo "more of it"
+exit 1
+"#;
+    let write = ["-c", "printf %s \"$1\" > parafovea-probe && chmod +x parafovea-probe", "sh", helper];
+    assert!(Command::new("sh").args(write).current_dir(home.path()).status().unwrap().success());
+    let output = Command::new(&command)
+        .args(["doctor", "--json"])
+        .env_clear()
+        .env("PATH", "/usr/bin:/bin")
+        .env("HOME", home.path())
+        .env("XR_LOADER_DEBUG", "all")
+        .env("VK_LOADER_DEBUG", "all")
+        .output()
+        .unwrap();
+    let text = printed(&output);
+    for question in ["layers", "vulkan", "openxr"] {
+        assert!(text.contains(&format!(": answered {question}\"")), "{question} in\n{text}");
+    }
+}
+
 #[test]
 fn a_profile_is_changed_by_the_command_as_by_hand() {
     let home = TempDir::new().unwrap();

@@ -43,6 +43,6 @@ fn of_device(device: &CreatedDevice) -> Finding {
             format!("{name}: a device was created with the layer enabled, but without the layer on it"),
             "Games get only the other half, which has no effect alone.",
         )
-        .advise("run with VK_LOADER_DEBUG=layer to see the reason; then: parafovea install"),
+        .advise("to see the reason: VK_LOADER_DEBUG=layer parafovea run -- GAME; then: parafovea install"),
     }
 }

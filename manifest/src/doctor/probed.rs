@@ -3,6 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Beginning of the line with the answer; all other lines are of loaders, layers and drivers. The rest is a `Result` in JSON.
+pub const ANSWER_PREFIX: &str = "parafovea-probe: ";
+
 /// The answers; an error is one line.
 #[derive(Clone, Debug)]
 pub struct Probed {
