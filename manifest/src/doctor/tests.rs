@@ -105,6 +105,7 @@ fn runtime(library: &str) -> String {
 /// Answers where all is well.
 fn probed() -> Probed {
     let layers = |half: Half| Some(vec![half.layer_name().to_owned()]);
+    let created = |has_layer| CreatedDevice { name: "A GPU".to_owned(), failure: None, has_layer };
     Probed {
         layers: Ok(LoaderLayers { openxr: layers(Half::OpenXr), vulkan: layers(Half::Vulkan) }),
         vulkan: Ok(VulkanAnswer {
@@ -118,7 +119,8 @@ fn probed() -> Probed {
                 ..Device::default()
             }],
         }),
-        created: Ok(vec![CreatedDevice { name: "A GPU".to_owned(), failure: None, has_layer: true }]),
+        created: Ok(vec![created(true)]),
+        created_without_layer: Ok(vec![created(false)]),
         openxr: Ok(RuntimeAnswer {
             name: "Monado".to_owned(),
             extensions: ["XR_KHR_vulkan_enable2", "XR_EXT_eye_gaze_interaction"].map(str::to_owned).to_vec(),

@@ -28,19 +28,22 @@ pub fn probe() -> Probed {
             layers: Err(missing()),
             vulkan: Err(missing()),
             created: Err(missing()),
+            created_without_layer: Err(missing()),
             openxr: Err(missing()),
         };
     };
-    let (layers, vulkan, created, openxr) = (
+    let (layers, vulkan, created, created_without_layer, openxr) = (
         Asked::new(&program, "layers", true),
         Asked::new(&program, "vulkan", false),
         Asked::new(&program, "devices", true),
+        Asked::new(&program, "devices", false),
         Asked::new(&program, "openxr", false),
     );
     Probed {
         layers: layers.answer(),
         vulkan: vulkan.answer(),
         created: created.answer(),
+        created_without_layer: created_without_layer.answer(),
         openxr: openxr.answer(),
     }
 }

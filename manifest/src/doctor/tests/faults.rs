@@ -261,6 +261,31 @@ const FAULTS: &[Fault] = &[
         &["no-device-with-layer"],
         false,
     ),
+    ("a GPU on which no program creates a device", |machine| refuse_all(machine), &["device-refused"], false),
+    (
+        "a GPU for no program, and one for programs without the layer",
+        |machine| {
+            refuse_all(machine);
+            let other = |failure: Option<&str>| CreatedDevice {
+                name: "A GPU".to_owned(),
+                failure: failure.map(str::to_owned),
+                has_layer: false,
+            };
+            machine.probed.created.as_mut().unwrap().push(other(Some("ERROR_FEATURE_NOT_PRESENT")));
+            machine.probed.created_without_layer.as_mut().unwrap().push(other(None));
+        },
+        &["device-refused", "no-device-with-layer"],
+        false,
+    ),
+    (
+        "a driver that takes too long for any program",
+        |machine| {
+            let late = || Err("it took longer than 10 seconds".to_owned());
+            (machine.probed.created, machine.probed.created_without_layer) = (late(), late());
+        },
+        &["device-refused"],
+        false,
+    ),
     ("a device without the layer", |machine| created(machine).has_layer = false, &["not-on-device"], false),
     (
         "a loader that does not list the layer",
@@ -435,6 +460,13 @@ fn answer(machine: &mut Machine) -> &mut RuntimeAnswer {
 
 fn created(machine: &mut Machine) -> &mut CreatedDevice {
     &mut machine.probed.created.as_mut().unwrap()[0]
+}
+
+/// No device can be created, with or without the layer.
+fn refuse_all(machine: &mut Machine) {
+    for answer in [&mut machine.probed.created, &mut machine.probed.created_without_layer] {
+        answer.as_mut().unwrap()[0].failure = Some("ERROR_INITIALIZATION_FAILED".to_owned());
+    }
 }
 
 fn device(machine: &mut Machine) -> &mut Device {
