@@ -29,7 +29,7 @@ pub struct Options {
 
 /// Prints the findings; fails if a problem remains.
 pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
-    let mut surroundings = Surroundings::new(Path::new("/"), env::vars_os());
+    let mut surroundings = surroundings();
     surroundings.shipped = library_beside_this_program();
     surroundings.application = application.map(|name| {
         let known = Names::known(&surroundings.environment, &name, SystemTime::now());
@@ -65,6 +65,15 @@ pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
     }
     let is_well = findings.iter().all(|finding| finding.severity < Severity::Problem);
     if is_well && !has_failed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// The surroundings of this process.
+pub fn surroundings() -> Surroundings {
+    let mut surroundings = Surroundings::new(Path::new("/"), env::vars_os());
+    if let Ok(program) = env::current_exe() {
+        surroundings.program = program;
+    }
+    surroundings
 }
 
 /// Repairs all fixable findings; a line for each step.

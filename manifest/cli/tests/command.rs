@@ -335,7 +335,19 @@ fn a_second_installation_is_refused() {
     printed(&install("usr/share"));
     let refused = complained(&install(".local/share"));
     assert!(refused.contains("already installed") && refused.contains("usr/share/vulkan"), "{refused}");
+    assert!(refused.contains("first remove that: the package manager"), "{refused}");
     assert!(!home.path().join(".local").exists());
+    let kept = Command::new(env!("CARGO_BIN_EXE_parafovea"))
+        .arg("uninstall")
+        .env_clear()
+        .env("HOME", home.path())
+        .env("XDG_DATA_DIRS", home.path().join("usr/share"))
+        .output()
+        .unwrap();
+    let (kept, manifest) =
+        (printed(&kept), home.path().join("usr/share/vulkan/implicit_layer.d/parafovea.json"));
+    assert!(kept.starts_with("not installed\nstill installed: "), "{kept}");
+    assert!(kept.contains(&manifest.display().to_string()), "{kept}");
     printed(&install("usr/share"));
     // A Flatpak does not see the system's.
     let flatpak = install(".var/app/com.valvesoftware.Steam/.local/share");

@@ -9,6 +9,9 @@ use crate::paths::FLATPAK_HOMES;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// Data files installed for all users without a package: both loaders search this folder.
+pub const SYSTEM_DATA: &str = "/usr/local/share";
+
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
         Half::BOTH.iter().flat_map(|half| of_half(surroundings, layers, *half)).collect();
@@ -82,6 +85,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
         }
         several => {
             let paths: Vec<_> = several.iter().map(|manifest| manifest.path.display().to_string()).collect();
+            let removal = removal(surroundings, several.iter().map(|manifest| manifest.path.as_path()));
             let effect = match half {
                 Half::OpenXr => "The OpenXR loader loads all of them, and the layer works as the first.",
                 Half::Vulkan => "The Vulkan loader takes the first, which may belong to another version.",
@@ -92,7 +96,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
                     format!("the {name} half is installed {} times: {}", paths.len(), paths.join(", ")),
                     effect,
                 )
-                .advise("keep one: parafovea uninstall removes the one in your home; the package manager removes the system's"),
+                .advise(format!("keep one; to remove the others: {}", removal)),
             );
         }
     }
@@ -147,6 +151,24 @@ pub fn installed_elsewhere(surroundings: &Surroundings, data: &Path) -> Vec<Path
     if is_flatpak { Vec::new() } else { elsewhere(&Layers::find(surroundings), data) }
 }
 
+/// Commands that remove the installations with these manifests, in a sentence.
+pub fn removal<'a>(surroundings: &Surroundings, manifests: impl IntoIterator<Item = &'a Path>) -> String {
+    let home = surroundings.environment.data_home();
+    let system = surroundings.system(SYSTEM_DATA);
+    let mut ways: Vec<String> = Vec::new();
+    for manifest in manifests {
+        let way = match manifest {
+            path if home.is_some_and(|home| path.starts_with(home)) => "parafovea uninstall".to_owned(),
+            path if path.starts_with(&system) => surroundings.as_root("uninstall --system"),
+            _ => "the package manager of the system".to_owned(),
+        };
+        if !ways.contains(&way) {
+            ways.push(way);
+        }
+    }
+    ways.join(", or ")
+}
+
 /// The file itself, behind links.
 fn real(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
@@ -170,9 +192,10 @@ pub(super) fn advise_install(finding: Finding, surroundings: &Surroundings, laye
     let is_elsewhere =
         surroundings.environment.data_home().is_some_and(|data| !elsewhere(layers, data).is_empty());
     if is_elsewhere {
-        finding.advise(
-            "install the package of the system again, or without one: sudo parafovea install --system",
-        )
+        finding.advise(format!(
+            "install the package of the system again, or without one: {}",
+            surroundings.as_root("install --system")
+        ))
     } else {
         finding.advise("parafovea install").fixed_if(surroundings.shipped.is_some(), Fix::Install)
     }
@@ -234,22 +257,28 @@ fn one_library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> 
     Some(advise_install(finding, surroundings, layers))
 }
 
-/// The library of the user's installation is another than the one that came with this program.
+/// Installed files that differ from those that came with this program: of the user, or of all users.
 fn is_outdated(surroundings: &Surroundings) -> Option<Finding> {
-    let (data, shipped) = (surroundings.environment.data_home()?, surroundings.shipped.as_ref()?);
-    let is_installed =
-        library_path(data).is_file() && Half::BOTH.iter().all(|half| half.manifest_path(data).is_file());
-    let differs = plan_install(data, shipped, offers_gaze(&surroundings.environment))
-        .is_ok_and(|steps| !steps.is_empty());
-    (is_installed && differs).then(|| {
+    let shipped = surroundings.shipped.as_ref()?;
+    let differs = |data: &Path, offers_gaze| {
+        library_path(data).is_file()
+            && Half::BOTH.iter().all(|half| half.manifest_path(data).is_file())
+            && plan_install(data, shipped, offers_gaze).is_ok_and(|steps| !steps.is_empty())
+    };
+    let finding = |of_whom: &str| {
         Finding::warning(
             "outdated",
-            format!("the installed files differ from {} and the files beside it", shipped.display()),
+            format!("the installed files{of_whom} differ from {} and the files beside it", shipped.display()),
             "Games use the installed files, not those of this program.",
         )
-        .advise("parafovea install")
-        .fixed_by(Fix::Install)
-    })
+    };
+    let data = surroundings.environment.data_home();
+    if data.is_some_and(|data| differs(data, offers_gaze(&surroundings.environment))) {
+        return Some(finding("").advise("parafovea install").fixed_by(Fix::Install));
+    }
+    // As `parafovea install --system` does, without a look at the settings of one user.
+    differs(&surroundings.system(SYSTEM_DATA), true)
+        .then(|| finding(" of all users").advise(surroundings.as_root("install --system")))
 }
 
 /// Files that anybody may change, though they are loaded into games.

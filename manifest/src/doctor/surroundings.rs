@@ -17,6 +17,8 @@ pub struct Surroundings {
     pub root: PathBuf,
     /// The library that came with this program, which `--fix` installs.
     pub shipped: Option<PathBuf>,
+    /// Path of this program, for commands that another user is to type.
+    pub program: PathBuf,
     /// The application whose configuration is looked at; `None`: any without a file of its own.
     pub application: Option<Names>,
     /// Answers of Vulkan and OpenXR.
@@ -33,6 +35,7 @@ impl Surroundings {
             environment,
             root: root.to_owned(),
             shipped: None,
+            program: "parafovea".into(),
             application: None,
             probed: Probed::default(),
         }
@@ -59,6 +62,14 @@ impl Surroundings {
     /// A path of the system: `/etc` and such.
     pub(super) fn system(&self, path: &str) -> PathBuf {
         self.root.join(path.trim_start_matches('/'))
+    }
+
+    /// The command that runs this program as root, whose `PATH` seldom has it.
+    pub(super) fn as_root(&self, arguments: &str) -> String {
+        let program = self.program.display().to_string();
+        // The shell takes a quoted path as one word.
+        let program = if program.contains([' ', '\'']) { format!("{program:?}") } else { program };
+        format!("sudo {program} {arguments}")
     }
 
     /// `$HOME`.
