@@ -47,7 +47,7 @@ installed; games use the layer only on request.
 To check the installation: parafovea doctor
 To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%
 ";
-    finish(["already installed", NEXT], scope.dry_run, || {
+    finish(["already installed", NEXT], scope, || {
         let library = match library {
             Some(library) => library,
             None => library_beside_this_program().ok_or_else(|| Failure::NoLibrary(places()))?,
@@ -64,7 +64,7 @@ To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %comm
 
 /// Removes the files of [`install`].
 pub fn uninstall(scope: Scope) -> ExitCode {
-    let code = finish(["not installed", ""], scope.dry_run, || Ok(plan_uninstall(&scope.data()?)?));
+    let code = finish(["not installed", ""], scope, || Ok(plan_uninstall(&scope.data()?)?));
     if let Some((paths, removal)) = scope.data().ok().and_then(|data| elsewhere(&data)) {
         crate::print(&format!("still installed: {}; to remove it: {removal}\n", list(&paths)));
     }
@@ -81,7 +81,7 @@ fn elsewhere(data: &Path) -> Option<(Vec<PathBuf>, String)> {
 
 fn finish(
     [nothing_to_do, next]: [&str; 2],
-    dry_run: bool,
+    Scope { system, dry_run }: Scope,
     plan: impl FnOnce() -> Result<Vec<Step>, Failure>,
 ) -> ExitCode {
     let done = plan().and_then(|steps| {
@@ -89,8 +89,10 @@ fn finish(
             crate::print(&format!("{nothing_to_do}\n"));
         }
         for step in &steps {
-            if !dry_run {
-                step.apply()?;
+            match (dry_run, system) {
+                (true, _) => {}
+                (false, true) => step.apply_for_all_users()?,
+                (false, false) => step.apply()?,
             }
             crate::print(&format!("{}{step}\n", if dry_run { "would " } else { "" }));
         }

@@ -1,12 +1,13 @@
 //! Whether both halves are installed, and are one.
 
-use super::layers::{Layer, Layers, Manifest, Unusable};
+use super::layers::{Layer, Layers, Manifest, UnreadableFolder, Unusable};
 use super::{Finding, Fix, Surroundings};
 use crate::config::offers_gaze;
 use crate::install::{library_path, plan_install};
 use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
 use crate::paths::FLATPAK_HOMES;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Data files installed for all users without a package: both loaders search this folder.
@@ -58,6 +59,9 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
     let mut findings: Vec<Finding> =
         ours.iter().filter_map(|manifest| of_manifest(surroundings, layers, half, manifest)).collect();
     match ours.as_slice() {
+        [] if layers.unreadable(half).next().is_some() => {
+            findings.extend(layers.unreadable(half).map(unreadable));
+        }
         [] => findings.push(advise_install(
             Finding::problem(
                 "manifest-missing",
@@ -101,6 +105,18 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
         }
     }
     findings
+}
+
+/// A folder of manifests without the permission to read it: the layer may be installed in it.
+fn unreadable(folder: &UnreadableFolder) -> Finding {
+    let UnreadableFolder { half, path, reason } = folder;
+    let path = path.display();
+    Finding::problem(
+        "folder-unreadable",
+        format!("{path} cannot be read: {reason}"),
+        format!("The {} loader finds no layer in it; Parafovea may be installed there.", called(*half)),
+    )
+    .advise(format!("let all users read this folder and the folders above it: sudo chmod a+rx {path}"))
 }
 
 /// The fault of a manifest of ours.
@@ -214,6 +230,13 @@ fn of_layer(surroundings: &Surroundings, half: Half, manifest: &Manifest, layer:
         ));
     }
     let Some(library) = layer.library_at(surroundings, &manifest.path) else {
+        if fs::metadata(&layer.library).is_err_and(|error| error.kind() == ErrorKind::PermissionDenied) {
+            return Some(Finding::problem(
+                "library-unreadable",
+                format!("{path} names the library {}, which this user may not read", layer.library),
+                format!("The {name} loader skips this half, and the other has no effect alone."),
+            ));
+        }
         return Some(Finding::problem(
             "library-missing",
             format!("{path} names the library {}, which does not exist", layer.library),

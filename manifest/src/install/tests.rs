@@ -262,3 +262,44 @@ fn a_stage_has_the_halves_that_were_asked_for() {
     let text = fs::read_to_string(path).unwrap();
     assert_eq!(text, Half::Vulkan.manifest("/build/libparafovea.so", Activation::Implicit));
 }
+
+/// The umask is of a whole process, so this test runs itself in another one.
+#[test]
+fn an_installation_for_all_users_can_be_read_by_all() {
+    let name = "install::tests::an_installation_for_all_users_can_be_read_by_all";
+    let Some(folder) = std::env::var_os("PARAFOVEA_TEST_FOLDER").map(PathBuf::from) else {
+        let machine = Machine::new();
+        let done = std::process::Command::new("sh")
+            .args(["-c", "umask 077; exec \"$0\" --exact \"$1\""])
+            .arg(std::env::current_exe().unwrap())
+            .arg(name)
+            .env("PARAFOVEA_TEST_FOLDER", machine.folder.path())
+            .output()
+            .unwrap();
+        assert!(done.status.success(), "{done:?}");
+        assert!(machine.folder.path().join("all/data/parafovea").exists(), "{done:?}");
+        return;
+    };
+    let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    for (data, [library, text, below]) in
+        [("all/data", [0o755, 0o644, 0o755]), ("user/data", [0o700, 0o600, 0o700])]
+    {
+        let data = folder.join(data);
+        fs::create_dir(data.parent().unwrap()).unwrap();
+        for step in plan_install(&data, &folder.join("built.so"), true).unwrap() {
+            match library {
+                0o755 => step.apply_for_all_users().unwrap(),
+                _ => step.apply().unwrap(),
+            }
+        }
+        assert_eq!(mode(data.parent().unwrap()), 0o700, "a folder that was there keeps its permissions");
+        for path in tree(&data).into_iter().chain([data.clone()]) {
+            let expected = match path.extension().and_then(|extension| extension.to_str()) {
+                Some("so") => library,
+                Some("json") => text,
+                _ => below,
+            };
+            assert_eq!(mode(&path), expected, "{}", path.display());
+        }
+    }
+}

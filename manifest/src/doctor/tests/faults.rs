@@ -11,6 +11,17 @@ const CONFIG: &str = "home/.config/parafovea/config.toml";
 const FAULTS: &[Fault] = &[
     ("never installed", |machine| fs::remove_dir_all(machine.data()).unwrap(), &["not-installed"], true),
     (
+        "a folder of manifests that cannot be read",
+        |machine| {
+            // Not even root can read a link to itself; without the permission it is the same.
+            let folder = machine.manifest(Half::Vulkan).parent().unwrap().to_owned();
+            fs::remove_dir_all(&folder).unwrap();
+            symlink(&folder, &folder).unwrap();
+        },
+        &["folder-unreadable"],
+        false,
+    ),
+    (
         "one manifest missing",
         |machine| machine.remove(&machine.manifest(Half::Vulkan)),
         &["manifest-missing"],
