@@ -64,7 +64,18 @@ To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %comm
 
 /// Removes the files of [`install`].
 pub fn uninstall(scope: Scope) -> ExitCode {
-    let code = finish(["not installed", ""], scope, || Ok(plan_uninstall(&scope.data()?)?));
+    let mut kept = Vec::new();
+    let code = finish(["not installed", ""], scope, || {
+        let removal = plan_uninstall(&scope.data()?)?;
+        kept = removal.kept;
+        Ok(removal.steps)
+    });
+    if !kept.is_empty() {
+        crate::print(&format!(
+            "kept, because Parafovea did not install it, or it was edited: {}\n",
+            list(&kept)
+        ));
+    }
     if let Some((paths, removal)) = scope.data().ok().and_then(|data| elsewhere(&data)) {
         crate::print(&format!("still installed: {}; to remove it: {removal}\n", list(&paths)));
     }

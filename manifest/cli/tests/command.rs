@@ -59,6 +59,13 @@ fn installs_says_so_and_uninstalls() {
     assert_eq!(printed(&parafovea(home.path(), &["uninstall"])), would.replace("would ", ""));
     assert!(!manifest.exists());
     assert_eq!(printed(&parafovea(home.path(), &["uninstall"])), "not installed\n");
+
+    printed(&parafovea(home.path(), &["install", "--library", "built.so"]));
+    fs::write(&manifest, "mine").unwrap();
+    let removed = parafovea(home.path(), &["uninstall"]);
+    let text = printed(&removed);
+    assert!(removed.status.success() && text.lines().count() == 3, "{text}");
+    assert!(text.contains(&format!("it was edited: {}", manifest.display())), "{text}");
 }
 
 #[test]
