@@ -38,6 +38,12 @@ fn home_with_library() -> TempDir {
     home
 }
 
+/// By another process: one that this process still writes to, or a child of another test, cannot be run.
+fn write_program(path: &Path, content: &str) {
+    let write = ["-c", "printf %s \"$1\" > \"$0\" && chmod +x \"$0\""];
+    assert!(Command::new("sh").args(write).arg(path).arg(content).status().unwrap().success());
+}
+
 #[test]
 fn installs_says_so_and_uninstalls() {
     let home = home_with_library();
@@ -89,6 +95,30 @@ fn run_sets_the_variable_and_exits_as_the_application_does() {
     assert!(complained.contains("no-such-program: not found in PATH"), "{complained}");
     assert!(complained.contains("to install it: parafovea install"), "{complained}");
     assert_eq!(parafovea(home.path(), &["run", "--", "/"]).status.code(), Some(126));
+}
+
+#[test]
+fn run_tells_a_missing_program_from_a_missing_interpreter() {
+    let home = TempDir::new().unwrap();
+    let game = home.path().join("game");
+    let run = |name: &str| {
+        let output = parafovea(home.path(), &["run", "--", name]);
+        (output.status.code(), complained(&output))
+    };
+    for name in [game.to_str().unwrap(), "./game"] {
+        let (code, complaint) = run(name);
+        assert!(code == Some(127) && complaint.contains("game: does not exist"), "{complaint}");
+    }
+    for (content, expected) in [
+        ("#! /nowhere/sh -e\n", "its interpreter /nowhere/sh is missing"),
+        ("#!/bin/sh\r\nexit 0\r\n", "its first line ends in a carriage return"),
+    ] {
+        write_program(&game, content);
+        for name in [game.to_str().unwrap(), "./game"] {
+            let (code, complaint) = run(name);
+            assert!(code == Some(126) && complaint.contains(expected), "{complaint}");
+        }
+    }
 }
 
 #[test]
@@ -151,8 +181,7 @@ echo "parafovea-probe: {\"Err\": \"answered $1\"}"
 echo "more of it"
 exit 1
 "#;
-    let write = ["-c", "printf %s \"$1\" > parafovea-probe && chmod +x parafovea-probe", "sh", helper];
-    assert!(Command::new("sh").args(write).current_dir(home.path()).status().unwrap().success());
+    write_program(&home.path().join("parafovea-probe"), helper);
     let output = Command::new(&command)
         .args(["doctor", "--json"])
         .env_clear()
