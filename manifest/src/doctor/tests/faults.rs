@@ -127,7 +127,7 @@ const FAULTS: &[Fault] = &[
     ("enabled by another value than 1", |machine| machine.set("PARAFOVEA", "yes"), &["half-enabled"], false),
     (
         "left out by a filter of the Vulkan loader",
-        |machine| machine.set("VK_LOADER_LAYERS_DISABLE", "*MESA*, ~implicit~"),
+        |machine| machine.set("VK_LOADER_LAYERS_DISABLE", "*MESA*,~Implicit~"),
         &["filtered"],
         false,
     ),
@@ -536,4 +536,19 @@ fn an_outdated_layer_in_steams_flatpak_is_found() {
     assert_eq!(machine.ids(), [""; 0]);
     write(&library_path(&data), &library("0"));
     assert_eq!(machine.ids(), ["flatpak-steam"]);
+}
+
+/// As the Vulkan loader reads its filters: a space is part of a word, and only one of the variables knows all implicit layers.
+#[test]
+fn filters_of_the_vulkan_loader_are_read_as_it_reads_them() {
+    let ids = |disable: &str, allow: &str| {
+        let mut machine = Machine::new();
+        machine.set("VK_LOADER_LAYERS_DISABLE", disable);
+        machine.set("VK_LOADER_LAYERS_ALLOW", allow);
+        machine.ids()
+    };
+    assert_eq!(ids("*MESA*, ~implicit~", ""), [""; 0]);
+    assert_eq!(ids("*mesa*,*parafovea*", ""), ["filtered"]);
+    assert_eq!(ids("*", "~implicit~, VK_LAYER_PARAFOVEA_foveation"), ["filtered"]);
+    assert_eq!(ids("*", "vk_layer_parafovea_FOVEATION"), [""; 0]);
 }
