@@ -1,5 +1,6 @@
 //! `parafovea status`.
 
+mod screen;
 mod text;
 mod view;
 
@@ -8,7 +9,7 @@ pub use view::shown_view;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Found, Gone, read_all};
 use serde_json::json;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::process::ExitCode;
 use std::thread::sleep;
 use std::time::{Duration, SystemTime};
@@ -29,9 +30,6 @@ pub struct Options {
     #[arg(long)]
     json: bool,
 }
-
-/// Back to the top left corner, and all below it cleared.
-const CLEAR: &str = "\x1b[H\x1b[2J";
 
 /// Presentation of the found applications.
 pub struct Watched<Text, Json> {
@@ -87,7 +85,6 @@ fn repeat(
     json: bool,
     shown: &Watched<impl Fn(&[Found], Gone) -> String, impl Fn(&[Found]) -> String>,
 ) -> ExitCode {
-    let is_screen = io::stdout().is_terminal() && !json && !once;
     loop {
         let shown = match read(environment, application) {
             Ok((found, _)) if json => (shown.json)(&found),
@@ -97,9 +94,9 @@ fn repeat(
                 return ExitCode::FAILURE;
             }
         };
-        let clear = if is_screen { CLEAR } else { "" };
+        let shown = if json || once { shown } else { screen::live(shown) };
         let mut stdout = io::stdout().lock();
-        let written = stdout.write_all(format!("{clear}{shown}").as_bytes()).and_then(|()| stdout.flush());
+        let written = stdout.write_all(shown.as_bytes()).and_then(|()| stdout.flush());
         if once || written.is_err() {
             return ExitCode::SUCCESS;
         }

@@ -56,13 +56,15 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         line("chroma", if status.attenuates_colour { "attenuated in the periphery" } else { "unchanged" });
         line("view", &view(status));
         line("passes", &format!("{} with shading rates in the last frame", status.passes_matched));
-        for (index, decision) in status.decisions.iter().enumerate() {
-            line(if index == 0 { "decisions" } else { "" }, &decision.line);
-        }
     }
     line("settings", &settings(&status.settings));
     if let Some(log) = environment.log_file(executable) {
         line("log", &log.display().to_string());
+    }
+    // At the end, which may not fit on a screen. An inert session has none that count.
+    let decisions = status.decisions.iter().filter(|_| status.inert.is_empty());
+    for (index, decision) in decisions.enumerate() {
+        line(if index == 0 { "decisions" } else { "" }, &decision.line);
     }
     text
 }
@@ -247,6 +249,8 @@ mod tests {
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
         }
+        // On a small screen, all else is more important.
+        assert!(text.ends_with("  decisions no rates\n            pass 64x64: the scene\n"), "{text}");
     }
 
     #[test]
