@@ -9,7 +9,7 @@ pub use view::shown_view;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Found, Gone, read_all};
 use serde_json::json;
-use std::io::{self, Write};
+use std::io;
 use std::process::ExitCode;
 use std::thread::sleep;
 use std::time::{Duration, SystemTime};
@@ -95,12 +95,9 @@ fn repeat(
             }
         };
         let shown = if json || once { shown } else { screen::live(shown) };
-        let mut stdout = io::stdout().lock();
-        let written = stdout.write_all(shown.as_bytes()).and_then(|()| stdout.flush());
-        if once || written.is_err() {
+        if !crate::can_print(&shown) || once {
             return ExitCode::SUCCESS;
         }
-        drop(stdout);
         sleep(Duration::from_secs(EVERY_S));
     }
 }

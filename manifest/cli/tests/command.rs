@@ -320,6 +320,24 @@ fn a_profile_that_no_game_would_read_is_named_or_refused() {
 }
 
 #[test]
+fn a_full_disk_is_a_failure_and_a_reader_that_ends_is_none() {
+    let home = TempDir::new().unwrap();
+    let run = |script: &str| {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", script, env!("CARGO_BIN_EXE_parafovea")]).env_clear().env("HOME", home.path());
+        shell.env("XDG_RUNTIME_DIR", home.path()).env("PATH", "/usr/bin:/bin").output().unwrap()
+    };
+    for arguments in ["config default", "profile list", "status --once", "generate man"] {
+        let full = run(&format!("\"$0\" {arguments} > /dev/full"));
+        let complaint = complained(&full);
+        assert!(complaint.starts_with("parafovea: standard output: No space left"), "{complaint}");
+        assert_eq!(complaint.lines().count(), 1, "{complaint}");
+        let ended = run(&format!("(sleep 0.1; \"$0\" {arguments}; echo $? >&2) | true"));
+        assert_eq!(String::from_utf8_lossy(&ended.stderr), "0\n", "{arguments}");
+    }
+}
+
+#[test]
 fn completions_and_manual_have_every_command() {
     let home = TempDir::new().unwrap();
     let help = printed(&parafovea(home.path(), &["--help"]));
