@@ -205,6 +205,12 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     printed(&profile(&["set", "all", "preset", "performance"]));
     assert_eq!(file("config.toml"), "preset = \"performance\"\n");
 
+    let mode = || fs::metadata(home.path().join(".config/parafovea/config.toml")).unwrap().permissions();
+    fs::set_permissions(home.path().join(".config/parafovea/config.toml"), fs::Permissions::from_mode(0o600))
+        .unwrap();
+    printed(&profile(&["set", "all", "preset", "performance"]));
+    assert_eq!(mode().mode() & 0o7777, 0o600, "the file keeps its permissions");
+
     let said = printed(&profile(&["set", "game", "chroma.mode", "default"]));
     assert!(said.contains("which no longer applies to game"), "{said}");
     assert_eq!(file("apps/game.toml"), "preset = \"performance\"\n\n[chroma]\nmode = \"default\"\n");
