@@ -4,6 +4,7 @@ mod screen;
 mod text;
 mod view;
 
+pub use text::title;
 pub use view::shown_view;
 
 use parafovea_manifest::paths::Environment;

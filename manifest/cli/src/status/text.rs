@@ -24,10 +24,10 @@ pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &E
 
 fn of_one(status: &Status, environment: &Environment) -> String {
     let executable = Path::new(&status.executable);
-    let mut text = format!("{} (process {}, {})\n", status.application, status.pid, status.executable);
+    let mut text = format!("{}\n", title(status));
     let mut line = |name: &str, value: &str| {
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "  {name:9} {value}");
+        let _ = writeln!(text, "  {name:9} {}", plain(value));
     };
     if !status.inert.is_empty() {
         line("state", &format!("inert: {}", status.inert));
@@ -67,6 +67,16 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         line(if index == 0 { "decisions" } else { "" }, &decision.line);
     }
     text
+}
+
+/// The names of an application and its process, in one line.
+pub fn title(status: &Status) -> String {
+    plain(&format!("{} (process {}, {})", status.application, status.pid, status.executable))
+}
+
+/// As the log has it: names that an application chose may contain line ends and commands for the terminal.
+fn plain(text: &str) -> String {
+    text.replace(|character: char| character.is_control(), " ")
 }
 
 fn settings(settings: &Settings) -> String {
@@ -251,6 +261,15 @@ mod tests {
         }
         // On a small screen, all else is more important.
         assert!(text.ends_with("  decisions no rates\n            pass 64x64: the scene\n"), "{text}");
+    }
+
+    #[test]
+    fn names_cannot_move_the_cursor() {
+        let decisions = vec![Decision { line: "a\npass".to_owned(), ..Decision::default() }];
+        let names = ("Game\n\u{1b}[2J".to_owned(), "game\u{9b}.exe".to_owned());
+        let text = shown(Status { application: names.0, executable: names.1, decisions, ..active() });
+        assert!(text.starts_with("Game  [2J (process 7, game .exe)\n"), "{text:?}");
+        assert!(text.ends_with("  decisions a pass\n"), "{text:?}");
     }
 
     #[test]
