@@ -5,6 +5,7 @@
 
 mod error;
 mod lookup;
+mod names;
 mod parse;
 mod read;
 mod watch;
@@ -14,6 +15,7 @@ use std::path::Path;
 pub use crate::options::Config;
 pub use error::{ConfigError, ConfigErrors};
 pub use lookup::{Places, offers_gaze};
+pub use names::Names;
 pub use parse::parse;
 pub use read::MAX_BYTES;
 pub use watch::Watch;

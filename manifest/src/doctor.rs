@@ -21,8 +21,8 @@ mod surroundings;
 mod variables;
 
 pub use finding::{Finding, Fix, Severity};
-pub use manifests::installed_elsewhere;
-pub use probed::{CreatedDevice, Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
+pub use manifests::{SYSTEM_DATA, installed_elsewhere, removal};
+pub use probed::{ANSWER_PREFIX, CreatedDevice, Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
 pub use surroundings::Surroundings;
 
 use layers::Layers;

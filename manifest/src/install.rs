@@ -61,29 +61,49 @@ pub fn plan_install(data: &Path, library: &Path, offers_gaze: bool) -> Result<Ve
     Ok(steps)
 }
 
-/// Steps that take the layer away again; none where it is not installed. Folders that are empty then go too,
-/// `data` itself excepted. Configuration and logs stay.
+/// The removal of an installation.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Removal {
+    /// Its steps; none where the layer is not installed. Folders that are empty then go too, the folder of data files excepted.
+    pub steps: Vec<Step>,
+    /// Files in the place of ours that are not recognised as Parafovea's. They stay.
+    pub kept: Vec<PathBuf>,
+}
+
+impl Removal {
+    fn add<T>(
+        &mut self,
+        data: &Path,
+        path: PathBuf,
+        installed: Result<Option<T>, InstallError>,
+    ) -> Result<(), InstallError> {
+        match installed {
+            Ok(None) => {}
+            Ok(Some(_)) => self.steps.push(remove(data, path)),
+            Err(InstallError::NotOurs(path)) => self.kept.push(path),
+            Err(error) => return Err(error),
+        }
+        Ok(())
+    }
+}
+
+/// The removal of the layer below `data` (`$XDG_DATA_HOME`). Configuration and logs stay.
 ///
 /// # Errors
 ///
-/// In the place of one of our files is one that is not ours.
-pub fn plan_uninstall(data: &Path) -> Result<Vec<Step>, InstallError> {
-    let mut steps = Vec::new();
+/// A file that may be ours cannot be read.
+pub fn plan_uninstall(data: &Path) -> Result<Removal, InstallError> {
+    let mut removal = Removal::default();
     for half in Half::BOTH {
         let path = half.manifest_path(data);
-        if installed_manifest(half, &path)?.is_some() {
-            steps.push(remove(data, path));
-        }
+        let installed = installed_manifest(half, &path);
+        removal.add(data, path, installed)?;
     }
-    let library = library_path(data);
-    if installed_library(&library)?.is_some() {
-        steps.push(remove(data, library));
-    }
-    let audio = audio_library_path(data);
-    if installed_audio(&audio)?.is_some() {
-        steps.push(remove(data, audio));
-    }
-    Ok(steps)
+    let (library, audio) = (library_path(data), audio_library_path(data));
+    let installed = (installed_library(&library), installed_audio(&audio));
+    removal.add(data, library, installed.0)?;
+    removal.add(data, audio, installed.1)?;
+    Ok(removal)
 }
 
 /// Takes a file of ours away, with the folders that were there for it alone: the loaders' and ours below `data`.

@@ -3,6 +3,7 @@
 mod probe;
 
 use crate::install::library_beside_this_program;
+use parafovea_manifest::config::Names;
 use parafovea_manifest::doctor::{Finding, Severity, Surroundings, examine};
 use parafovea_manifest::install::InstallError;
 use serde_json::json;
@@ -10,6 +11,7 @@ use std::collections::BTreeSet;
 use std::env;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::SystemTime;
 
 /// Output and repairs.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -27,9 +29,12 @@ pub struct Options {
 
 /// Prints the findings; fails if a problem remains.
 pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
-    let mut surroundings = Surroundings::new(Path::new("/"), env::vars_os());
+    let mut surroundings = surroundings();
     surroundings.shipped = library_beside_this_program();
-    surroundings.application = application;
+    surroundings.application = application.map(|name| {
+        let known = Names::known(&surroundings.environment, &name, SystemTime::now());
+        known.unwrap_or_else(|| Names::unknown(&name))
+    });
     surroundings.probed = probe::probe();
     let mut findings = examine(&surroundings);
     let mut has_failed = false;
@@ -60,6 +65,15 @@ pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
     }
     let is_well = findings.iter().all(|finding| finding.severity < Severity::Problem);
     if is_well && !has_failed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// The surroundings of this process.
+pub fn surroundings() -> Surroundings {
+    let mut surroundings = Surroundings::new(Path::new("/"), env::vars_os());
+    if let Ok(program) = env::current_exe() {
+        surroundings.program = program;
+    }
+    surroundings
 }
 
 /// Repairs all fixable findings; a line for each step.

@@ -65,7 +65,7 @@ fn of_all(found: &[Found]) -> String {
         .map(|found| &found.status)
         .filter(|status| status.inert.is_empty())
         .map(|status| {
-            let head = format!("{} (process {}, {})\n", status.application, status.pid, status.executable);
+            let head = format!("{}\n", status::title(status));
             head + &of_one(status)
         })
         .collect();

@@ -1,7 +1,8 @@
 //! `parafovea install` and `parafovea uninstall`.
 
+use crate::doctor::surroundings;
 use parafovea_manifest::config::offers_gaze;
-use parafovea_manifest::doctor::{Surroundings, installed_elsewhere};
+use parafovea_manifest::doctor::{SYSTEM_DATA, installed_elsewhere, removal};
 use parafovea_manifest::install::{InstallError, LIBRARY_NAME, Step, plan_install, plan_uninstall};
 use parafovea_manifest::paths::Environment;
 use std::env;
@@ -18,10 +19,10 @@ enum Failure {
     #[error("{LIBRARY_NAME} is in none of these places: {}; give its path with --library", list(.0))]
     NoLibrary(Vec<PathBuf>),
     #[error(
-        "the layer is already installed, and a second installation would be loaded as well: {}; to install it here, first remove that (by the package manager, or parafovea uninstall)",
-        list(.0)
+        "the layer is already installed, and a second installation would be loaded as well: {}; to install it here, first remove that: {removal}",
+        list(.paths)
     )]
-    InstalledElsewhere(Vec<PathBuf>),
+    InstalledElsewhere { paths: Vec<PathBuf>, removal: String },
 }
 
 fn list(places: &[PathBuf]) -> String {
@@ -39,9 +40,6 @@ pub struct Scope {
     dry_run: bool,
 }
 
-/// Data files installed without a package: both loaders search this folder.
-const SYSTEM_DATA: &str = "/usr/local/share";
-
 /// Installs `library`, or the one that came with this program.
 pub fn install(library: Option<PathBuf>, scope: Scope) -> ExitCode {
     const NEXT: &str = "\
@@ -49,15 +47,14 @@ installed; games use the layer only on request.
 To check the installation: parafovea doctor
 To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%
 ";
-    finish(["already installed", NEXT], scope.dry_run, || {
+    finish(["already installed", NEXT], scope, || {
         let library = match library {
             Some(library) => library,
             None => library_beside_this_program().ok_or_else(|| Failure::NoLibrary(places()))?,
         };
         let data = scope.data()?;
-        let elsewhere = installed_elsewhere(&Surroundings::new(Path::new("/"), env::vars_os()), &data);
-        if !elsewhere.is_empty() {
-            return Err(Failure::InstalledElsewhere(elsewhere));
+        if let Some((paths, removal)) = elsewhere(&data) {
+            return Err(Failure::InstalledElsewhere { paths, removal });
         }
         // The settings of the other users are unknown here; without `gaze.offer`, their games have no eye gaze.
         let offers_gaze = scope.system || offers_gaze(&Environment::of_process(false));
@@ -67,12 +64,35 @@ To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %comm
 
 /// Removes the files of [`install`].
 pub fn uninstall(scope: Scope) -> ExitCode {
-    finish(["not installed", ""], scope.dry_run, || Ok(plan_uninstall(&scope.data()?)?))
+    let mut kept = Vec::new();
+    let code = finish(["not installed", ""], scope, || {
+        let removal = plan_uninstall(&scope.data()?)?;
+        kept = removal.kept;
+        Ok(removal.steps)
+    });
+    if !kept.is_empty() {
+        crate::print(&format!(
+            "kept, because Parafovea did not install it, or it was edited: {}\n",
+            list(&kept)
+        ));
+    }
+    if let Some((paths, removal)) = scope.data().ok().and_then(|data| elsewhere(&data)) {
+        crate::print(&format!("still installed: {}; to remove it: {removal}\n", list(&paths)));
+    }
+    code
+}
+
+/// Manifests of installations outside of `data`, if there are any, and the commands that remove these.
+fn elsewhere(data: &Path) -> Option<(Vec<PathBuf>, String)> {
+    let surroundings = surroundings();
+    let paths = installed_elsewhere(&surroundings, data);
+    let removal = removal(&surroundings, paths.iter().map(PathBuf::as_path));
+    (!paths.is_empty()).then_some((paths, removal))
 }
 
 fn finish(
     [nothing_to_do, next]: [&str; 2],
-    dry_run: bool,
+    Scope { system, dry_run }: Scope,
     plan: impl FnOnce() -> Result<Vec<Step>, Failure>,
 ) -> ExitCode {
     let done = plan().and_then(|steps| {
@@ -80,8 +100,10 @@ fn finish(
             crate::print(&format!("{nothing_to_do}\n"));
         }
         for step in &steps {
-            if !dry_run {
-                step.apply()?;
+            match (dry_run, system) {
+                (true, _) => {}
+                (false, true) => step.apply_for_all_users()?,
+                (false, false) => step.apply()?,
             }
             crate::print(&format!("{}{step}\n", if dry_run { "would " } else { "" }));
         }

@@ -11,9 +11,10 @@ mod status;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Foveated rendering for existing OpenXR applications
 #[derive(Parser)]
@@ -86,7 +87,15 @@ enum ConfigCommand {
     Default,
 }
 
+/// Standard output could not be written to.
+static HAS_FAILED: AtomicBool = AtomicBool::new(false);
+
 fn main() -> ExitCode {
+    let code = perform();
+    if HAS_FAILED.load(Ordering::Relaxed) { ExitCode::FAILURE } else { code }
+}
+
+fn perform() -> ExitCode {
     match Arguments::parse().command {
         Command::Install { library, scope } => install::install(library, scope),
         Command::Uninstall { scope } => install::uninstall(scope),
@@ -101,9 +110,24 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes to standard output. A reader that ends early, as in `| head`, is not a failure.
+/// Writes to standard output. A reader that ends early, as in `| head`, is not a failure; a full disk is one of the whole command,
+/// reported once.
 fn print(text: &str) {
-    let _ = io::stdout().write_all(text.as_bytes());
+    can_print(text);
+}
+
+/// As [`print`]; returns whether more can follow.
+fn can_print(text: &str) -> bool {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Ok(()) => true,
+        Err(error) => {
+            if error.kind() != ErrorKind::BrokenPipe && !HAS_FAILED.swap(true, Ordering::Relaxed) {
+                eprintln!("parafovea: standard output: {error}");
+            }
+            false
+        }
+    }
 }
 
 #[cfg(test)]

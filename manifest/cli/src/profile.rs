@@ -66,6 +66,10 @@ enum Failure {
     NoHome,
     #[error("{0:?} cannot be used as a file name")]
     NoName(String),
+    #[error(
+        "{0} is a path; give the application's name for OpenXR, or the name of its executable without folders"
+    )]
+    IsPath(String),
     #[error("there is no option {0}; parafovea config default lists all{did_you_mean}", did_you_mean = near(.0))]
     NoOption(String),
     #[error("{}: {}", .0.display(), .1)]
@@ -141,7 +145,7 @@ fn list(files: &Files) -> Result<String, Failure> {
 }
 
 fn show(files: &Files, application: &str, all: bool) -> Result<String, Failure> {
-    let file = files.in_force(application);
+    let file = files.in_force(&files.target(application)?);
     let (config, content) = match &file {
         None => (config::Config::default(), String::new()),
         Some(path) => {
@@ -170,12 +174,13 @@ fn show(files: &Files, application: &str, all: bool) -> Result<String, Failure> 
 
 fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Result<String, Failure> {
     let option = option(key)?;
-    let path = files.own(application)?;
+    let target = files.target(application)?;
+    let path = files.own(&target)?;
     let own = read(&path)?;
     // An application with a file of its own does not look at the others: nothing else is to change for it.
     let from = match &own {
         Some(_) => None,
-        None => files.in_force(application),
+        None => files.in_force(&target),
     };
     let before = match (own, &from) {
         (Some(text), _) => text,
@@ -198,21 +203,22 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
             text,
             "This new file starts as a copy of {}{}.",
             from.display(),
-            files.applies(&from, application)
+            files.applies(&from, &target)
         );
     }
-    Ok(text)
+    Ok(text + &files.shadow(&path, &target).unwrap_or_default())
 }
 
 /// Writes the kind's file, with the other settings of the file in force: only one file applies to an application.
 fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> {
-    let path = files.own(application)?;
+    let target = files.target(application)?;
+    let path = files.own(&target)?;
     if read(&path)?.is_some() {
         return Err(Failure::Exists(path));
     }
     let mut text = kinds::file(kind);
     let mut outcome = format!("{}: created, with settings for {kind}\n", path.display());
-    if let Some(from) = files.in_force(application) {
+    if let Some(from) = files.in_force(&target) {
         let before = read(&from)?.unwrap_or_default();
         let config = config::load(&from).map_err(Failure::Invalid)?;
         let of_kind = effective::set_in(&text);
@@ -221,11 +227,11 @@ fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> 
             text = edit::apply(&text, option, Change::Set(&option.value(&config)))
                 .map_err(|error| Failure::Edit(path.clone(), error))?;
         }
-        let applies = files.applies(&from, application);
+        let applies = files.applies(&from, &target);
         let _ = writeln!(outcome, "Its other settings are those of {}{applies}.", from.display());
     }
     write(&path, text)?;
-    Ok(outcome)
+    Ok(outcome + &files.shadow(&path, &target).unwrap_or_default())
 }
 
 /// Prints a line for each error in any file.

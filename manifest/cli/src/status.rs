@@ -1,14 +1,16 @@
 //! `parafovea status`.
 
+mod screen;
 mod text;
 mod view;
 
+pub use text::title;
 pub use view::shown_view;
 
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Found, Gone, read_all};
 use serde_json::json;
-use std::io::{self, IsTerminal, Write};
+use std::io;
 use std::process::ExitCode;
 use std::thread::sleep;
 use std::time::{Duration, SystemTime};
@@ -29,9 +31,6 @@ pub struct Options {
     #[arg(long)]
     json: bool,
 }
-
-/// Back to the top left corner, and all below it cleared.
-const CLEAR: &str = "\x1b[H\x1b[2J";
 
 /// Presentation of the found applications.
 pub struct Watched<Text, Json> {
@@ -87,7 +86,6 @@ fn repeat(
     json: bool,
     shown: &Watched<impl Fn(&[Found], Gone) -> String, impl Fn(&[Found]) -> String>,
 ) -> ExitCode {
-    let is_screen = io::stdout().is_terminal() && !json && !once;
     loop {
         let shown = match read(environment, application) {
             Ok((found, _)) if json => (shown.json)(&found),
@@ -97,13 +95,10 @@ fn repeat(
                 return ExitCode::FAILURE;
             }
         };
-        let clear = if is_screen { CLEAR } else { "" };
-        let mut stdout = io::stdout().lock();
-        let written = stdout.write_all(format!("{clear}{shown}").as_bytes()).and_then(|()| stdout.flush());
-        if once || written.is_err() {
+        let shown = if json || once { shown } else { screen::live(shown) };
+        if !crate::can_print(&shown) || once {
             return ExitCode::SUCCESS;
         }
-        drop(stdout);
         sleep(Duration::from_secs(EVERY_S));
     }
 }

@@ -38,6 +38,12 @@ fn home_with_library() -> TempDir {
     home
 }
 
+/// By another process: one that this process still writes to, or a child of another test, cannot be run.
+fn write_program(path: &Path, content: &str) {
+    let write = ["-c", "printf %s \"$1\" > \"$0\" && chmod +x \"$0\""];
+    assert!(Command::new("sh").args(write).arg(path).arg(content).status().unwrap().success());
+}
+
 #[test]
 fn installs_says_so_and_uninstalls() {
     let home = home_with_library();
@@ -59,6 +65,13 @@ fn installs_says_so_and_uninstalls() {
     assert_eq!(printed(&parafovea(home.path(), &["uninstall"])), would.replace("would ", ""));
     assert!(!manifest.exists());
     assert_eq!(printed(&parafovea(home.path(), &["uninstall"])), "not installed\n");
+
+    printed(&parafovea(home.path(), &["install", "--library", "built.so"]));
+    fs::write(&manifest, "mine").unwrap();
+    let removed = parafovea(home.path(), &["uninstall"]);
+    let text = printed(&removed);
+    assert!(removed.status.success() && text.lines().count() == 3, "{text}");
+    assert!(text.contains(&format!("it was edited: {}", manifest.display())), "{text}");
 }
 
 #[test]
@@ -82,6 +95,30 @@ fn run_sets_the_variable_and_exits_as_the_application_does() {
     assert!(complained.contains("no-such-program: not found in PATH"), "{complained}");
     assert!(complained.contains("to install it: parafovea install"), "{complained}");
     assert_eq!(parafovea(home.path(), &["run", "--", "/"]).status.code(), Some(126));
+}
+
+#[test]
+fn run_tells_a_missing_program_from_a_missing_interpreter() {
+    let home = TempDir::new().unwrap();
+    let game = home.path().join("game");
+    let run = |name: &str| {
+        let output = parafovea(home.path(), &["run", "--", name]);
+        (output.status.code(), complained(&output))
+    };
+    for name in [game.to_str().unwrap(), "./game"] {
+        let (code, complaint) = run(name);
+        assert!(code == Some(127) && complaint.contains("game: does not exist"), "{complaint}");
+    }
+    for (content, expected) in [
+        ("#! /nowhere/sh -e\n", "its interpreter /nowhere/sh is missing"),
+        ("#!/bin/sh\r\nexit 0\r\n", "its first line ends in a carriage return"),
+    ] {
+        write_program(&game, content);
+        for name in [game.to_str().unwrap(), "./game"] {
+            let (code, complaint) = run(name);
+            assert!(code == Some(126) && complaint.contains(expected), "{complaint}");
+        }
+    }
 }
 
 #[test]
@@ -129,6 +166,37 @@ fn a_doctor_that_can_ask_nobody_says_what_is_wrong_and_fixes_what_is_ours() {
     assert!(findings.iter().all(|finding| finding["id"] != "anybody-may-write"), "{json}");
 }
 
+/// A loader prints to standard output if one of these variables is set, and a driver may fill any pipe.
+#[test]
+fn answers_of_the_helper_are_found_among_the_lines_of_loaders() {
+    // On the file system of the build: the helper lies beside the command, which a link may be, and a copy for writing may be busy.
+    let home = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let command = home.path().join("parafovea");
+    fs::hard_link(env!("CARGO_BIN_EXE_parafovea"), &command).unwrap();
+    let helper = r#"#!/bin/sh
+echo "Info [GENERAL | xrEnumerateApiLayerProperties | OpenXR-Loader] : XR_APILAYER"
+[ -z "$XR_LOADER_DEBUG$VK_LOADER_DEBUG" ] || exit 3
+head -c 200000 /dev/zero >&2
+echo "parafovea-probe: {\"Err\": \"answered $1\"}"
+echo "more of it"
+exit 1
+"#;
+    write_program(&home.path().join("parafovea-probe"), helper);
+    let output = Command::new(&command)
+        .args(["doctor", "--json"])
+        .env_clear()
+        .env("PATH", "/usr/bin:/bin")
+        .env("HOME", home.path())
+        .env("XR_LOADER_DEBUG", "all")
+        .env("VK_LOADER_DEBUG", "all")
+        .output()
+        .unwrap();
+    let text = printed(&output);
+    for question in ["layers", "vulkan", "openxr"] {
+        assert!(text.contains(&format!(": answered {question}\"")), "{question} in\n{text}");
+    }
+}
+
 #[test]
 fn a_profile_is_changed_by_the_command_as_by_hand() {
     let home = TempDir::new().unwrap();
@@ -136,6 +204,12 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     let file = |name: &str| fs::read_to_string(home.path().join(".config/parafovea").join(name)).unwrap();
     printed(&profile(&["set", "all", "preset", "performance"]));
     assert_eq!(file("config.toml"), "preset = \"performance\"\n");
+
+    let mode = || fs::metadata(home.path().join(".config/parafovea/config.toml")).unwrap().permissions();
+    fs::set_permissions(home.path().join(".config/parafovea/config.toml"), fs::Permissions::from_mode(0o600))
+        .unwrap();
+    printed(&profile(&["set", "all", "preset", "performance"]));
+    assert_eq!(mode().mode() & 0o7777, 0o600, "the file keeps its permissions");
 
     let said = printed(&profile(&["set", "game", "chroma.mode", "default"]));
     assert!(said.contains("which no longer applies to game"), "{said}");
@@ -196,6 +270,79 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     assert!(shown.contains("the file has errors") && !shown.contains("changed"), "{shown}");
 }
 
+/// Settings of `Game.exe`, which is "My Game" for OpenXR, have one file, whichever name is typed.
+#[test]
+fn both_names_of_an_application_lead_to_its_one_profile() {
+    let home = TempDir::new().unwrap();
+    let folder = home.path().join(".config/parafovea");
+    let logs = home.path().join(".local/state/parafovea");
+    fs::create_dir_all(&logs).unwrap();
+    fs::write(
+        logs.join("Game.exe.log"),
+        "2026-01-02T03:04:05.678+01:00 77 INFO  OpenXR instance of \"My Game\"\n",
+    )
+    .unwrap();
+    let profile = |arguments: &[&str]| parafovea(home.path(), &[&["profile"], arguments].concat());
+    for [first, second] in [["Game.exe", "My Game"], ["My Game", "Game.exe"]] {
+        let file = folder.join(format!("apps/{first}.toml"));
+        printed(&profile(&["set", first, "rates.foveal_deg", "20.0"]));
+        let said = printed(&profile(&["set", second, "chroma.mode", "default"]));
+        assert!(said.starts_with(&file.display().to_string()), "{said}");
+        let text = fs::read_to_string(&file).unwrap();
+        assert!(text.contains("foveal_deg = 20.0") && text.contains("mode = \"default\""), "{text}");
+        assert_eq!(fs::read_dir(folder.join("apps")).unwrap().count(), 1);
+        assert!(complained(&profile(&["new", second, "proton"])).contains("already exists"));
+        let shown = printed(&profile(&["show", second]));
+        assert!(shown.contains("rates.foveal_deg = 20.0  # set in this file"), "{shown}");
+        let checked = printed(&parafovea(home.path(), &["doctor", "--verbose", second]));
+        assert!(checked.contains(&format!("configuration: {}", file.display())), "{checked}");
+        fs::remove_file(file).unwrap();
+    }
+}
+
+#[test]
+fn a_profile_that_no_game_would_read_is_named_or_refused() {
+    let home = TempDir::new().unwrap();
+    let path = complained(&parafovea(home.path(), &["profile", "set", "/opt/game", "enabled", "true"]));
+    assert!(path.contains("/opt/game is a path"), "{path}");
+    assert!(!home.path().join(".config").exists());
+
+    let other = home.path().join("other.toml");
+    fs::write(&other, "preset = \"quality\"\n").unwrap();
+    for application in ["game", "all", "game"] {
+        let said = Command::new(env!("CARGO_BIN_EXE_parafovea"))
+            .args(["profile", "set", application, "chroma.mode", "default"])
+            .env_clear()
+            .env("HOME", home.path())
+            .env("PARAFOVEA_CONFIG", &other)
+            .output()
+            .unwrap();
+        let said = printed(&said);
+        let shadow = format!("PARAFOVEA_CONFIG is set, and its file, {}, applies", other.display());
+        assert!(said.contains(&shadow) && !said.contains("no longer"), "{said}");
+    }
+    let without = printed(&parafovea(home.path(), &["profile", "set", "game", "chroma.mode", "off"]));
+    assert!(!without.contains("effect"), "{without}");
+}
+
+#[test]
+fn a_full_disk_is_a_failure_and_a_reader_that_ends_is_none() {
+    let home = TempDir::new().unwrap();
+    let run = |script: &str| {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", script, env!("CARGO_BIN_EXE_parafovea")]).env_clear().env("HOME", home.path());
+        shell.env("XDG_RUNTIME_DIR", home.path()).env("PATH", "/usr/bin:/bin").output().unwrap()
+    };
+    for arguments in ["config default", "profile list", "status --once", "generate man"] {
+        let full = run(&format!("\"$0\" {arguments} > /dev/full"));
+        let complaint = complained(&full);
+        assert!(complaint.starts_with("parafovea: standard output: No space left"), "{complaint}");
+        assert_eq!(complaint.lines().count(), 1, "{complaint}");
+        let ended = run(&format!("(sleep 0.1; \"$0\" {arguments}; echo $? >&2) | true"));
+        assert_eq!(String::from_utf8_lossy(&ended.stderr), "0\n", "{arguments}");
+    }
+}
+
 #[test]
 fn completions_and_manual_have_every_command() {
     let home = TempDir::new().unwrap();
@@ -248,7 +395,19 @@ fn a_second_installation_is_refused() {
     printed(&install("usr/share"));
     let refused = complained(&install(".local/share"));
     assert!(refused.contains("already installed") && refused.contains("usr/share/vulkan"), "{refused}");
+    assert!(refused.contains("first remove that: the package manager"), "{refused}");
     assert!(!home.path().join(".local").exists());
+    let kept = Command::new(env!("CARGO_BIN_EXE_parafovea"))
+        .arg("uninstall")
+        .env_clear()
+        .env("HOME", home.path())
+        .env("XDG_DATA_DIRS", home.path().join("usr/share"))
+        .output()
+        .unwrap();
+    let (kept, manifest) =
+        (printed(&kept), home.path().join("usr/share/vulkan/implicit_layer.d/parafovea.json"));
+    assert!(kept.starts_with("not installed\nstill installed: "), "{kept}");
+    assert!(kept.contains(&manifest.display().to_string()), "{kept}");
     printed(&install("usr/share"));
     // A Flatpak does not see the system's.
     let flatpak = install(".var/app/com.valvesoftware.Steam/.local/share");

@@ -5,7 +5,7 @@ use super::{Finding, Surroundings};
 use crate::config::{Config, Places, load};
 use crate::options::{AudioSource, GazeSource};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     let (file, config) = in_force(surroundings);
@@ -39,9 +39,8 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
 
 /// The file in force, if there is any, and its configuration, if it is right.
 pub(super) fn in_force(surroundings: &Surroundings) -> (Option<PathBuf>, Option<Config>) {
-    let application = surroundings.application.as_deref();
-    let executable = Path::new(application.unwrap_or_default());
-    let places = Places::new(&surroundings.environment, application, executable);
+    let names = surroundings.application.clone().unwrap_or_default();
+    let places = Places::new(&surroundings.environment, names.application.as_deref(), &names.executable);
     match places.find(|file| fs::symlink_metadata(file).is_ok()) {
         None => (None, Some(Config::default())),
         Some(file) => (Some(file.to_owned()), load(file).ok()),

@@ -64,8 +64,12 @@ fn not_listed(half: Half) -> Finding {
         "Games get only the other half, which has no effect alone.",
     )
     .advise(match half {
-        Half::OpenXr => "run with XR_LOADER_DEBUG=all to see the reason; then: parafovea install",
-        Half::Vulkan => "run with VK_LOADER_DEBUG=layer to see the reason; then: parafovea install",
+        Half::OpenXr => {
+            "to see the reason: XR_LOADER_DEBUG=all parafovea run -- GAME; then: parafovea install"
+        }
+        Half::Vulkan => {
+            "to see the reason: VK_LOADER_DEBUG=layer parafovea run -- GAME; then: parafovea install"
+        }
     })
 }
 

@@ -8,12 +8,24 @@ use crate::json::{ENABLE_VARIABLE, Half};
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Manifests of both halves' loaders.
 pub struct Layers {
     openxr: Vec<Manifest>,
     vulkan: Vec<Manifest>,
+    unreadable: Vec<UnreadableFolder>,
+}
+
+/// A folder of manifests that exists, but cannot be read.
+pub struct UnreadableFolder {
+    /// The half whose loader searches it.
+    pub half: Half,
+    /// Its path.
+    pub path: PathBuf,
+    /// The error of the system.
+    pub reason: String,
 }
 
 /// A file that a loader reads.
@@ -49,10 +61,24 @@ pub struct Layer {
 impl Layers {
     /// Looks for all of them.
     pub fn find(surroundings: &Surroundings) -> Self {
-        let of = |half| {
-            folders(surroundings, half).into_iter().flat_map(|folder| manifests(half, &folder)).collect()
+        let mut unreadable = Vec::new();
+        let mut of = |half| {
+            let mut found = Vec::new();
+            for path in folders(surroundings, half) {
+                match manifests(half, &path) {
+                    Ok(manifests) => found.extend(manifests),
+                    Err(error) => unreadable.push(UnreadableFolder { half, path, reason: error.to_string() }),
+                }
+            }
+            found
         };
-        Self { openxr: of(Half::OpenXr), vulkan: of(Half::Vulkan) }
+        let (openxr, vulkan) = (of(Half::OpenXr), of(Half::Vulkan));
+        Self { openxr, vulkan, unreadable }
+    }
+
+    /// Folders in which the loader of `half` may find more manifests.
+    pub fn unreadable(&self, half: Half) -> impl Iterator<Item = &UnreadableFolder> {
+        self.unreadable.iter().filter(move |folder| folder.half == half)
     }
 
     /// Manifests that the loader of `half` finds.
@@ -141,12 +167,17 @@ fn folders(surroundings: &Surroundings, half: Half) -> Vec<PathBuf> {
     }
 }
 
-/// The manifests of a folder. Loaders take them as the file system lists them; here they are sorted.
-fn manifests(half: Half, folder: &Path) -> Vec<Manifest> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+/// The manifests of a folder, if it exists. Loaders take them as the file system lists them; here they are sorted.
+fn manifests(half: Half, folder: &Path) -> io::Result<Vec<Manifest>> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            return Ok(Vec::new());
+        }
+        entries => entries?.flatten().map(|entry| entry.path()),
+    };
     let mut paths: Vec<_> = entries.filter(|path| path.extension() == Some(OsStr::new("json"))).collect();
     paths.sort();
-    paths.into_iter().map(|path| Manifest { content: read(half, &path), path }).collect()
+    Ok(paths.into_iter().map(|path| Manifest { content: read(half, &path), path }).collect())
 }
 
 fn read(half: Half, path: &Path) -> Result<Vec<Layer>, Unusable> {

@@ -1,13 +1,17 @@
 //! Whether both halves are installed, and are one.
 
-use super::layers::{Layer, Layers, Manifest, Unusable};
+use super::layers::{Layer, Layers, Manifest, UnreadableFolder, Unusable};
 use super::{Finding, Fix, Surroundings};
 use crate::config::offers_gaze;
 use crate::install::{library_path, plan_install};
 use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
 use crate::paths::FLATPAK_HOMES;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+
+/// Data files installed for all users without a package: both loaders search this folder.
+pub const SYSTEM_DATA: &str = "/usr/local/share";
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
@@ -55,6 +59,9 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
     let mut findings: Vec<Finding> =
         ours.iter().filter_map(|manifest| of_manifest(surroundings, layers, half, manifest)).collect();
     match ours.as_slice() {
+        [] if layers.unreadable(half).next().is_some() => {
+            findings.extend(layers.unreadable(half).map(unreadable));
+        }
         [] => findings.push(advise_install(
             Finding::problem(
                 "manifest-missing",
@@ -82,6 +89,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
         }
         several => {
             let paths: Vec<_> = several.iter().map(|manifest| manifest.path.display().to_string()).collect();
+            let removal = removal(surroundings, several.iter().map(|manifest| manifest.path.as_path()));
             let effect = match half {
                 Half::OpenXr => "The OpenXR loader loads all of them, and the layer works as the first.",
                 Half::Vulkan => "The Vulkan loader takes the first, which may belong to another version.",
@@ -92,11 +100,23 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
                     format!("the {name} half is installed {} times: {}", paths.len(), paths.join(", ")),
                     effect,
                 )
-                .advise("keep one: parafovea uninstall removes the one in your home; the package manager removes the system's"),
+                .advise(format!("keep one; to remove the others: {}", removal)),
             );
         }
     }
     findings
+}
+
+/// A folder of manifests without the permission to read it: the layer may be installed in it.
+fn unreadable(folder: &UnreadableFolder) -> Finding {
+    let UnreadableFolder { half, path, reason } = folder;
+    let path = path.display();
+    Finding::problem(
+        "folder-unreadable",
+        format!("{path} cannot be read: {reason}"),
+        format!("The {} loader finds no layer in it; Parafovea may be installed there.", called(*half)),
+    )
+    .advise(format!("let all users read this folder and the folders above it: sudo chmod a+rx {path}"))
 }
 
 /// The fault of a manifest of ours.
@@ -147,6 +167,24 @@ pub fn installed_elsewhere(surroundings: &Surroundings, data: &Path) -> Vec<Path
     if is_flatpak { Vec::new() } else { elsewhere(&Layers::find(surroundings), data) }
 }
 
+/// Commands that remove the installations with these manifests, in a sentence.
+pub fn removal<'a>(surroundings: &Surroundings, manifests: impl IntoIterator<Item = &'a Path>) -> String {
+    let home = surroundings.environment.data_home();
+    let system = surroundings.system(SYSTEM_DATA);
+    let mut ways: Vec<String> = Vec::new();
+    for manifest in manifests {
+        let way = match manifest {
+            path if home.is_some_and(|home| path.starts_with(home)) => "parafovea uninstall".to_owned(),
+            path if path.starts_with(&system) => surroundings.as_root("uninstall --system"),
+            _ => "the package manager of the system".to_owned(),
+        };
+        if !ways.contains(&way) {
+            ways.push(way);
+        }
+    }
+    ways.join(", or ")
+}
+
 /// The file itself, behind links.
 fn real(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
@@ -170,9 +208,10 @@ pub(super) fn advise_install(finding: Finding, surroundings: &Surroundings, laye
     let is_elsewhere =
         surroundings.environment.data_home().is_some_and(|data| !elsewhere(layers, data).is_empty());
     if is_elsewhere {
-        finding.advise(
-            "install the package of the system again, or without one: sudo parafovea install --system",
-        )
+        finding.advise(format!(
+            "install the package of the system again, or without one: {}",
+            surroundings.as_root("install --system")
+        ))
     } else {
         finding.advise("parafovea install").fixed_if(surroundings.shipped.is_some(), Fix::Install)
     }
@@ -191,6 +230,13 @@ fn of_layer(surroundings: &Surroundings, half: Half, manifest: &Manifest, layer:
         ));
     }
     let Some(library) = layer.library_at(surroundings, &manifest.path) else {
+        if fs::metadata(&layer.library).is_err_and(|error| error.kind() == ErrorKind::PermissionDenied) {
+            return Some(Finding::problem(
+                "library-unreadable",
+                format!("{path} names the library {}, which this user may not read", layer.library),
+                format!("The {name} loader skips this half, and the other has no effect alone."),
+            ));
+        }
         return Some(Finding::problem(
             "library-missing",
             format!("{path} names the library {}, which does not exist", layer.library),
@@ -234,22 +280,28 @@ fn one_library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> 
     Some(advise_install(finding, surroundings, layers))
 }
 
-/// The library of the user's installation is another than the one that came with this program.
+/// Installed files that differ from those that came with this program: of the user, or of all users.
 fn is_outdated(surroundings: &Surroundings) -> Option<Finding> {
-    let (data, shipped) = (surroundings.environment.data_home()?, surroundings.shipped.as_ref()?);
-    let is_installed =
-        library_path(data).is_file() && Half::BOTH.iter().all(|half| half.manifest_path(data).is_file());
-    let differs = plan_install(data, shipped, offers_gaze(&surroundings.environment))
-        .is_ok_and(|steps| !steps.is_empty());
-    (is_installed && differs).then(|| {
+    let shipped = surroundings.shipped.as_ref()?;
+    let differs = |data: &Path, offers_gaze| {
+        library_path(data).is_file()
+            && Half::BOTH.iter().all(|half| half.manifest_path(data).is_file())
+            && plan_install(data, shipped, offers_gaze).is_ok_and(|steps| !steps.is_empty())
+    };
+    let finding = |of_whom: &str| {
         Finding::warning(
             "outdated",
-            format!("the installed files differ from {} and the files beside it", shipped.display()),
+            format!("the installed files{of_whom} differ from {} and the files beside it", shipped.display()),
             "Games use the installed files, not those of this program.",
         )
-        .advise("parafovea install")
-        .fixed_by(Fix::Install)
-    })
+    };
+    let data = surroundings.environment.data_home();
+    if data.is_some_and(|data| differs(data, offers_gaze(&surroundings.environment))) {
+        return Some(finding("").advise("parafovea install").fixed_by(Fix::Install));
+    }
+    // As `parafovea install --system` does, without a look at the settings of one user.
+    differs(&surroundings.system(SYSTEM_DATA), true)
+        .then(|| finding(" of all users").advise(surroundings.as_root("install --system")))
 }
 
 /// Files that anybody may change, though they are loaded into games.

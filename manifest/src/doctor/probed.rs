@@ -3,6 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Beginning of the line with the answer; all other lines are of loaders, layers and drivers. The rest is a `Result` in JSON.
+pub const ANSWER_PREFIX: &str = "parafovea-probe: ";
+
 /// The answers; an error is one line.
 #[derive(Clone, Debug)]
 pub struct Probed {
@@ -12,6 +15,8 @@ pub struct Probed {
     pub vulkan: Result<VulkanAnswer, String>,
     /// Devices that are created with the layer; an error is a crash, a hang or a failure of the program.
     pub created: Result<Vec<CreatedDevice>, String>,
+    /// The same without the layer.
+    pub created_without_layer: Result<Vec<CreatedDevice>, String>,
     /// OpenXR runtime.
     pub openxr: Result<RuntimeAnswer, String>,
 }
@@ -20,7 +25,13 @@ impl Default for Probed {
     /// Nothing was probed.
     fn default() -> Self {
         let nobody = || "not probed".to_owned();
-        Self { layers: Err(nobody()), vulkan: Err(nobody()), created: Err(nobody()), openxr: Err(nobody()) }
+        Self {
+            layers: Err(nobody()),
+            vulkan: Err(nobody()),
+            created: Err(nobody()),
+            created_without_layer: Err(nobody()),
+            openxr: Err(nobody()),
+        }
     }
 }
 
@@ -72,7 +83,7 @@ pub struct Device {
     pub driver_version: [u32; 3],
 }
 
-/// A device that was created, and destroyed again, with the layer enabled.
+/// A device that was created, and destroyed again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CreatedDevice {
     /// Its name.

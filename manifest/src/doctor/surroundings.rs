@@ -1,6 +1,7 @@
 //! Surroundings of the program: everything outside of it that findings depend on.
 
 use super::Probed;
+use crate::config::Names;
 use crate::paths::Environment;
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
@@ -16,8 +17,10 @@ pub struct Surroundings {
     pub root: PathBuf,
     /// The library that came with this program, which `--fix` installs.
     pub shipped: Option<PathBuf>,
-    /// The application whose configuration is looked at: its name for OpenXR, or its program.
-    pub application: Option<String>,
+    /// Path of this program, for commands that another user is to type.
+    pub program: PathBuf,
+    /// The application whose configuration is looked at; `None`: any without a file of its own.
+    pub application: Option<Names>,
     /// Answers of Vulkan and OpenXR.
     pub probed: Probed,
 }
@@ -32,6 +35,7 @@ impl Surroundings {
             environment,
             root: root.to_owned(),
             shipped: None,
+            program: "parafovea".into(),
             application: None,
             probed: Probed::default(),
         }
@@ -58,6 +62,14 @@ impl Surroundings {
     /// A path of the system: `/etc` and such.
     pub(super) fn system(&self, path: &str) -> PathBuf {
         self.root.join(path.trim_start_matches('/'))
+    }
+
+    /// The command that runs this program as root, whose `PATH` seldom has it.
+    pub(super) fn as_root(&self, arguments: &str) -> String {
+        let program = self.program.display().to_string();
+        // The shell takes a quoted path as one word.
+        let program = if program.contains([' ', '\'']) { format!("{program:?}") } else { program };
+        format!("sudo {program} {arguments}")
     }
 
     /// `$HOME`.

@@ -105,6 +105,7 @@ fn runtime(library: &str) -> String {
 /// Answers where all is well.
 fn probed() -> Probed {
     let layers = |half: Half| Some(vec![half.layer_name().to_owned()]);
+    let created = |has_layer| CreatedDevice { name: "A GPU".to_owned(), failure: None, has_layer };
     Probed {
         layers: Ok(LoaderLayers { openxr: layers(Half::OpenXr), vulkan: layers(Half::Vulkan) }),
         vulkan: Ok(VulkanAnswer {
@@ -118,7 +119,8 @@ fn probed() -> Probed {
                 ..Device::default()
             }],
         }),
-        created: Ok(vec![CreatedDevice { name: "A GPU".to_owned(), failure: None, has_layer: true }]),
+        created: Ok(vec![created(true)]),
+        created_without_layer: Ok(vec![created(false)]),
         openxr: Ok(RuntimeAnswer {
             name: "Monado".to_owned(),
             extensions: ["XR_KHR_vulkan_enable2", "XR_EXT_eye_gaze_interaction"].map(str::to_owned).to_vec(),
@@ -235,6 +237,33 @@ fn steam_gets_its_launch_options() {
         "{}",
         advice(&machine)
     );
+}
+
+/// `parafovea install --system`, and a new build since then.
+#[test]
+fn an_outdated_installation_of_all_users_is_found_with_its_whole_command() {
+    let machine = Machine::new();
+    for half in Half::BOTH {
+        machine.remove(&machine.manifest(half));
+    }
+    let system = machine.path("usr/local/share");
+    for step in plan_install(&system, &machine.path("build/libparafovea.so"), true).unwrap() {
+        step.apply().unwrap();
+    }
+    assert_eq!(machine.findings(), []);
+    machine.put("build/libparafovea.so", &library("2"));
+    let mut surroundings = machine.surroundings();
+    surroundings.program = "/opt/build/parafovea".into();
+    let findings = examine(&surroundings);
+    let found = findings.iter().find(|finding| finding.id == "outdated").unwrap();
+    assert_eq!((found.advice.as_str(), &found.fix), ("sudo /opt/build/parafovea install --system", &None));
+    let elsewhere = installed_elsewhere(&surroundings, &machine.data());
+    assert_eq!(elsewhere.len(), 2);
+    let command = removal(&surroundings, elsewhere.iter().map(PathBuf::as_path));
+    assert_eq!(command, "sudo /opt/build/parafovea uninstall --system");
+    let all = [machine.manifest(Half::Vulkan), Half::Vulkan.manifest_path(&machine.path("usr/share"))];
+    let command = removal(&surroundings, all.iter().map(PathBuf::as_path));
+    assert_eq!(command, "parafovea uninstall, or the package manager of the system");
 }
 
 #[test]

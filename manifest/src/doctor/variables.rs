@@ -41,12 +41,12 @@ fn half_enabled(surroundings: &Surroundings) -> Option<Finding> {
 
 /// `VK_LOADER_LAYERS_DISABLE`, since loader 1.3.234.
 fn filtered(surroundings: &Surroundings) -> Option<Finding> {
-    let filters =
-        |name| surroundings.variable(name).map(OsStr::to_string_lossy).unwrap_or_default().into_owned();
-    let matches =
-        |list: &str| list.split(',').map(str::trim).find(|glob| matches_layer(glob)).map(str::to_owned);
-    let by = matches(&filters("VK_LOADER_LAYERS_DISABLE"))?;
-    if matches(&filters("VK_LOADER_LAYERS_ALLOW")).is_some() {
+    let filters = |name| surroundings.variable(name).map(OsStr::to_string_lossy).unwrap_or_default();
+    let disabled = filters("VK_LOADER_LAYERS_DISABLE");
+    // The second word has its meaning in this variable alone.
+    let by =
+        disabled.split(',').find(|word| matches_layer(word) || word.eq_ignore_ascii_case("~implicit~"))?;
+    if filters("VK_LOADER_LAYERS_ALLOW").split(',').any(matches_layer) {
         return None;
     }
     Some(
@@ -62,19 +62,18 @@ fn filtered(surroundings: &Surroundings) -> Option<Finding> {
     )
 }
 
-/// Whether a filter of the loader means our layer: a word of it, or text with `*` at its ends.
-fn matches_layer(glob: &str) -> bool {
-    let name = Half::Vulkan.layer_name();
-    let (inner, begins, ends) = (glob.trim_matches('*'), !glob.starts_with('*'), !glob.ends_with('*'));
-    match glob {
-        "" => false,
-        "~all~" | "~implicit~" => true,
-        _ => match (begins, ends) {
-            (true, true) => name == inner,
-            (true, false) => name.starts_with(inner),
-            (false, true) => name.ends_with(inner),
-            (false, false) => name.contains(inner),
-        },
+/// Whether a filter of the loader means our layer: its name, or part of it with `*` at the ends; upper and lower case are the same, and
+/// spaces count (Vulkan loader, `loader_environment.c`, `determine_filter_type` and `check_name_matches_filter_environment_var`).
+fn matches_layer(filter: &str) -> bool {
+    let (name, filter) = (Half::Vulkan.layer_name().to_ascii_lowercase(), filter.to_ascii_lowercase());
+    if ["~all~", "*", "**"].contains(&filter.as_str()) {
+        return true;
+    }
+    match (filter.strip_prefix('*'), filter.strip_suffix('*')) {
+        (Some(rest), Some(_)) => name.contains(rest.strip_suffix('*').unwrap_or(rest)),
+        (Some(end), None) => name.ends_with(end),
+        (None, Some(begin)) => name.starts_with(begin),
+        (None, None) => name == filter,
     }
 }
 
@@ -115,17 +114,21 @@ mod tests {
     #[test]
     fn a_filter_means_the_layer_as_the_loader_reads_it() {
         for glob in [
-            "~all~",
-            "~implicit~",
+            "~ALL~",
             "*",
+            "**",
             "VK_LAYER_PARAFOVEA*",
+            "vk_layer_parafovea*",
+            "*FOVEATION",
             "*PARAFOVEA*",
             "*_foveation",
             "VK_LAYER_PARAFOVEA_foveation",
         ] {
             assert!(matches_layer(glob), "{glob}");
         }
-        for glob in ["", "~explicit~", "VK_LAYER_PARAFOVEA", "*MESA*", "PARAFOVEA*"] {
+        for glob in
+            ["", "~explicit~", "~implicit~", "VK_LAYER_PARAFOVEA", "*MESA*", "PARAFOVEA*", " *", "~all~ "]
+        {
             assert!(!matches_layer(glob), "{glob}");
         }
     }

@@ -36,19 +36,40 @@ pub enum Step {
 }
 
 impl Step {
-    /// Does it. A file appears whole or not at all, and a process that has the former one open keeps that.
+    /// Does it. A file appears whole or not at all, and a process that has the former one open keeps that. New files and folders have the
+    /// permissions that the process's umask leaves; a text file that was there keeps its own.
     ///
     /// # Errors
     ///
     /// The file system refuses.
     pub fn apply(&self) -> Result<(), InstallError> {
+        self.apply_for(Modes::ByUmask)
+    }
+
+    /// As [`Self::apply`], with files and new folders that all users can read, regardless of the umask.
+    ///
+    /// # Errors
+    ///
+    /// The file system refuses.
+    pub fn apply_for_all_users(&self) -> Result<(), InstallError> {
+        self.apply_for(Modes::Exact)
+    }
+
+    fn apply_for(&self, modes: Modes) -> Result<(), InstallError> {
         match self {
             Self::Copy { from, to } => {
                 let content = fs::read(from).map_err(InstallError::io(from))?;
-                replace(to, &content, 0o755).map_err(InstallError::io(to))
+                replace(to, &content, 0o755, modes).map_err(InstallError::io(to))
             }
             Self::Write { path, text } => {
-                replace(path, text.as_bytes(), 0o644).map_err(InstallError::io(path))
+                let (mode, modes) = match fs::metadata(path) {
+                    // The user may have chosen its permissions.
+                    Ok(present) if modes == Modes::ByUmask => {
+                        (present.permissions().mode() & 0o7777, Modes::Exact)
+                    }
+                    _ => (0o644, modes),
+                };
+                replace(path, text.as_bytes(), mode, modes).map_err(InstallError::io(path))
             }
             Self::Remove { path, below } => {
                 fs::remove_file(path).map_err(InstallError::io(path))?;
@@ -81,17 +102,41 @@ impl fmt::Display for Step {
     }
 }
 
+/// Permissions of files, and of new folders.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Modes {
+    /// Without those that the umask of the process takes.
+    ByUmask,
+    /// Regardless of the umask; folders can be read by all users.
+    Exact,
+}
+
 /// Writes to a temporary file beside `path` and renames that. Its name does not end in `.json`, so that no
 /// loader reads it half written.
-fn replace(path: &Path, content: &[u8], mode: u32) -> io::Result<()> {
+fn replace(path: &Path, content: &[u8], mode: u32, modes: Modes) -> io::Result<()> {
     let folder = path.parent().ok_or(io::ErrorKind::InvalidInput)?;
-    fs::create_dir_all(folder)?;
+    make_folders(folder, modes)?;
     let mut file = tempfile::Builder::new()
         .prefix(".parafovea-")
         .permissions(Permissions::from_mode(mode))
         .tempfile_in(folder)?;
     file.write_all(content)?;
+    if modes == Modes::Exact {
+        file.as_file().set_permissions(Permissions::from_mode(mode))?;
+    }
     file.as_file().sync_all()?;
     file.persist(path)?;
+    Ok(())
+}
+
+/// Makes the folder and those above it, if they are missing; folders that were there keep their permissions.
+fn make_folders(folder: &Path, modes: Modes) -> io::Result<()> {
+    let missing: Vec<&Path> = folder.ancestors().take_while(|folder| !folder.exists()).collect();
+    fs::create_dir_all(folder)?;
+    if modes == Modes::Exact {
+        for folder in missing {
+            fs::set_permissions(folder, Permissions::from_mode(0o755))?;
+        }
+    }
     Ok(())
 }

@@ -28,7 +28,7 @@ impl Machine {
     }
 
     fn uninstall(&self) -> Vec<Step> {
-        apply(plan_uninstall(&self.data()).unwrap())
+        apply(plan_uninstall(&self.data()).unwrap().steps)
     }
 
     fn put(&self, path: &Path, content: &str) {
@@ -190,7 +190,8 @@ fn the_library_that_listens_is_installed_from_beside_the_layer_and_goes_with_it(
     fs::remove_file(&built).unwrap();
     machine.put(&installed, "mine");
     assert!(matches!(plan_install(&machine.data(), &machine.built(), false), Err(InstallError::NotOurs(_))));
-    assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
+    let removal = plan_uninstall(&machine.data()).unwrap();
+    assert_eq!(removal, Removal { steps: Vec::new(), kept: vec![installed] });
 }
 
 #[test]
@@ -205,27 +206,33 @@ fn a_plan_alone_changes_nothing() {
     assert_eq!(said[2], format!("write {data}/vulkan/implicit_layer.d/parafovea.json"));
 }
 
+/// Files in each of our places, one at a time: the others are removed nevertheless.
 #[test]
 fn foreign_files_are_neither_replaced_nor_removed() {
-    for half in Half::BOTH {
+    let places = [
+        |data: &Path| Half::OpenXr.manifest_path(data),
+        |data: &Path| Half::Vulkan.manifest_path(data),
+        |data: &Path| library_path(data),
+    ];
+    for place in places {
         for content in ["", "{\"layer\": {\"name\": \"VK_LAYER_other\"}}"] {
             let machine = Machine::new();
-            let path = half.manifest_path(&machine.data());
+            machine.install();
+            let path = place(&machine.data());
             machine.put(&path, content);
-            for plan in
-                [plan_install(&machine.data(), &machine.built(), false), plan_uninstall(&machine.data())]
-            {
-                assert!(matches!(plan, Err(InstallError::NotOurs(named)) if named == path));
-            }
+            let plan = plan_install(&machine.data(), &machine.built(), false);
+            assert!(matches!(plan, Err(InstallError::NotOurs(named)) if named == path));
+            let removal = plan_uninstall(&machine.data()).unwrap();
+            assert_eq!(removal.kept, std::slice::from_ref(&path));
+            assert_eq!(apply(removal.steps).len(), 2);
             assert_eq!(fs::read_to_string(&path).unwrap(), content);
+            assert_eq!(files(&machine.data()), [path]);
         }
     }
     let machine = Machine::new();
-    machine.put(&library_path(&machine.data()), "something else");
-    assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
-    let machine = Machine::new();
-    fs::create_dir_all(Half::Vulkan.manifest_path(&machine.data())).unwrap();
-    assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
+    let folder = Half::Vulkan.manifest_path(&machine.data());
+    fs::create_dir_all(&folder).unwrap();
+    assert_eq!(plan_uninstall(&machine.data()).unwrap(), Removal { steps: Vec::new(), kept: vec![folder] });
 }
 
 #[test]
@@ -236,7 +243,7 @@ fn a_link_in_our_place_is_not_followed() {
         (Half::Vulkan.manifest_path(&machine.data()), machine.folder.path().join("kept"));
     fs::rename(&manifest, &elsewhere).unwrap();
     std::os::unix::fs::symlink(&elsewhere, &manifest).unwrap();
-    assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
+    assert_eq!(plan_uninstall(&machine.data()).unwrap().kept, [manifest]);
 }
 
 #[test]
@@ -261,4 +268,45 @@ fn a_stage_has_the_halves_that_were_asked_for() {
     assert_eq!(files(&machine.data()), std::slice::from_ref(&path));
     let text = fs::read_to_string(path).unwrap();
     assert_eq!(text, Half::Vulkan.manifest("/build/libparafovea.so", Activation::Implicit));
+}
+
+/// The umask is of a whole process, so this test runs itself in another one.
+#[test]
+fn an_installation_for_all_users_can_be_read_by_all() {
+    let name = "install::tests::an_installation_for_all_users_can_be_read_by_all";
+    let Some(folder) = std::env::var_os("PARAFOVEA_TEST_FOLDER").map(PathBuf::from) else {
+        let machine = Machine::new();
+        let done = std::process::Command::new("sh")
+            .args(["-c", "umask 077; exec \"$0\" --exact \"$1\""])
+            .arg(std::env::current_exe().unwrap())
+            .arg(name)
+            .env("PARAFOVEA_TEST_FOLDER", machine.folder.path())
+            .output()
+            .unwrap();
+        assert!(done.status.success(), "{done:?}");
+        assert!(machine.folder.path().join("all/data/parafovea").exists(), "{done:?}");
+        return;
+    };
+    let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    for (data, [library, text, below]) in
+        [("all/data", [0o755, 0o644, 0o755]), ("user/data", [0o700, 0o600, 0o700])]
+    {
+        let data = folder.join(data);
+        fs::create_dir(data.parent().unwrap()).unwrap();
+        for step in plan_install(&data, &folder.join("built.so"), true).unwrap() {
+            match library {
+                0o755 => step.apply_for_all_users().unwrap(),
+                _ => step.apply().unwrap(),
+            }
+        }
+        assert_eq!(mode(data.parent().unwrap()), 0o700, "a folder that was there keeps its permissions");
+        for path in tree(&data).into_iter().chain([data.clone()]) {
+            let expected = match path.extension().and_then(|extension| extension.to_str()) {
+                Some("so") => library,
+                Some("json") => text,
+                _ => below,
+            };
+            assert_eq!(mode(&path), expected, "{}", path.display());
+        }
+    }
 }

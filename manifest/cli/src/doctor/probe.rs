@@ -1,10 +1,10 @@
 //! Asking Vulkan and OpenXR, by a program that comes with this one.
 
-use parafovea_manifest::doctor::Probed;
+use parafovea_manifest::doctor::{ANSWER_PREFIX, Probed};
 use parafovea_manifest::json::{DISABLE_VARIABLE, ENABLE_VARIABLE};
 use serde::de::DeserializeOwned;
 use std::env;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
@@ -13,6 +13,9 @@ use std::time::Duration;
 
 /// The program that asks.
 const PROGRAM: &str = "parafovea-probe";
+
+/// Variables that make the loaders print to standard output.
+const LOADER_DEBUG: [&str; 2] = ["VK_LOADER_DEBUG", "XR_LOADER_DEBUG"];
 
 /// A runtime that starts its service, and a driver that compiles, take seconds.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -25,19 +28,22 @@ pub fn probe() -> Probed {
             layers: Err(missing()),
             vulkan: Err(missing()),
             created: Err(missing()),
+            created_without_layer: Err(missing()),
             openxr: Err(missing()),
         };
     };
-    let (layers, vulkan, created, openxr) = (
+    let (layers, vulkan, created, created_without_layer, openxr) = (
         Asked::new(&program, "layers", true),
         Asked::new(&program, "vulkan", false),
         Asked::new(&program, "devices", true),
+        Asked::new(&program, "devices", false),
         Asked::new(&program, "openxr", false),
     );
     Probed {
         layers: layers.answer(),
         vulkan: vulkan.answer(),
         created: created.answer(),
+        created_without_layer: created_without_layer.answer(),
         openxr: openxr.answer(),
     }
 }
@@ -53,13 +59,16 @@ fn program() -> Option<PathBuf> {
 }
 
 /// A question that was asked.
-struct Asked(Result<(Child, mpsc::Receiver<String>), String>);
+struct Asked(Result<(Child, mpsc::Receiver<Option<String>>), String>);
 
 impl Asked {
     /// Asks, with the layer enabled or not. It finds no place for a log, which belongs to games.
     fn new(program: &Path, question: &str, with_layer: bool) -> Self {
         let mut command = Command::new(program);
-        command.arg(question).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.arg(question).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
+        for name in LOADER_DEBUG {
+            command.env_remove(name);
+        }
         if with_layer {
             command.env(ENABLE_VARIABLE, "1").env_remove(DISABLE_VARIABLE).env("XDG_STATE_HOME", "/dev/null");
         } else {
@@ -68,11 +77,11 @@ impl Asked {
         let spawned = command.spawn().map(|mut child| {
             let (sender, receiver) = mpsc::channel();
             let output = child.stdout.take();
-            // Only a line: a process that the runtime starts may keep the other end open for as long as it runs.
+            // Only until the answer: a process that the runtime starts may keep the other end open for as long as it runs.
             thread::spawn(move || {
-                let mut line = String::new();
-                let _ = output.map(|output| BufReader::new(output).read_line(&mut line));
-                let _ = sender.send(line);
+                let lines =
+                    output.into_iter().flat_map(|output| BufReader::new(output).split(b'\n')).flatten();
+                let _ = sender.send(answer_in(lines));
             });
             (child, receiver)
         });
@@ -81,21 +90,21 @@ impl Asked {
 
     fn answer<T: DeserializeOwned>(self) -> Result<T, String> {
         let (mut child, receiver) = self.0?;
-        let Ok(line) = receiver.recv_timeout(PATIENCE) else {
+        let Ok(answer) = receiver.recv_timeout(PATIENCE) else {
             let _ = child.kill();
             let _ = child.wait();
-            return Err(format!("no answer within {} seconds", PATIENCE.as_secs()));
+            return Err(format!("it took longer than {} seconds", PATIENCE.as_secs()));
         };
-        if !line.is_empty() {
+        if let Some(answer) = answer {
             // It has said all, and ends: nothing that it left behind in the runtime is waited for.
             thread::spawn(move || child.wait());
-            return serde_json::from_str(&line).map_err(|error| error.to_string());
+            return serde_json::from_str(&answer).map_err(|error| error.to_string())?;
         }
-        let status = child.wait().map_err(|error| error.to_string())?;
-        let mut said = String::new();
-        if status.code().is_some() {
-            let _ = child.stderr.take().map(|mut stderr| stderr.read_to_string(&mut said));
-        }
-        Err(said.lines().last().map_or_else(|| status.to_string(), str::to_owned))
+        Err(child.wait().map_err(|error| error.to_string())?.to_string())
     }
+}
+
+/// The answer among the lines, the others of which are of loaders, layers and drivers.
+fn answer_in(mut lines: impl Iterator<Item = Vec<u8>>) -> Option<String> {
+    lines.find_map(|line| Some(String::from_utf8_lossy(&line).strip_prefix(ANSWER_PREFIX)?.to_owned()))
 }

@@ -1,7 +1,7 @@
 //! Changing one option of a file, with all else in it as it was.
 
 use parafovea_manifest::options::{Allowed, OptionSpec};
-use toml_edit::{DocumentMut, Item, Table, TableLike, TomlError, Value};
+use toml_edit::{Document, DocumentMut, Item, Table, TableLike, TomlError, Value};
 
 /// A change of one option.
 #[derive(Clone, Copy, Debug)]
@@ -28,32 +28,58 @@ pub enum EditError {
 /// # Errors
 /// See [`EditError`].
 pub fn apply(text: &str, option: &OptionSpec, change: Change<'_>) -> Result<String, EditError> {
-    let mut document: DocumentMut = text.trim_start_matches('\u{feff}').parse()?;
+    match change {
+        Change::Set(typed) => set(text.trim_start_matches('\u{feff}'), option, typed),
+        Change::Unset => unset(text, option),
+    }
+}
+
+fn set(text: &str, option: &OptionSpec, typed: &str) -> Result<String, EditError> {
+    let mut document: DocumentMut = text.parse()?;
     let root = document.as_table_mut();
     let table: &mut dyn TableLike = match option.section {
         "" => root,
         section => {
-            if matches!(change, Change::Unset) && !root.contains_key(section) {
-                return Ok(text.to_owned());
-            }
             let item = root.entry(section).or_insert_with(|| Item::Table(Table::new()));
-            item.as_table_like_mut().ok_or(EditError::NoSection(option.section))?
+            item.as_table_like_mut().ok_or(EditError::NoSection(section))?
         }
     };
-    match change {
-        Change::Unset => drop(table.remove(option.name)),
-        Change::Set(typed) => {
-            let mut new = value(option, typed);
-            match table.get_mut(option.name) {
-                Some(Item::Value(old)) => {
-                    // The text behind the value, such as a comment, stays.
-                    *new.decor_mut() = old.decor().clone();
-                    *old = new;
-                }
-                _ => drop(table.insert(option.name, Item::Value(new))),
-            }
+    let mut new = value(option, typed);
+    match table.get_mut(option.name) {
+        Some(Item::Value(old)) => {
+            // The text behind the value, such as a comment, stays.
+            *new.decor_mut() = old.decor().clone();
+            *old = new;
         }
+        _ => drop(table.insert(option.name, Item::Value(new))),
     }
+    Ok(document.to_string())
+}
+
+fn unset(text: &str, option: &OptionSpec) -> Result<String, EditError> {
+    let body = text.trim_start_matches('\u{feff}');
+    let document = Document::parse(body)?;
+    let root = document.as_table();
+    let section = root.get(option.section);
+    let table: &dyn TableLike = match (option.section, section) {
+        ("", _) => root,
+        (_, None) => return Ok(text.to_owned()),
+        (name, Some(item)) => item.as_table_like().ok_or(EditError::NoSection(name))?,
+    };
+    let Some((key, item)) = table.get_key_value(option.name) else { return Ok(text.to_owned()) };
+    let is_in_line = section.is_some_and(Item::is_inline_table) || !item.is_value();
+    if let (Some(key), Some(value), false) = (key.span(), item.span(), is_in_line) {
+        // Its lines alone: toml_edit would take the comments above them, too, which may be settings of other options.
+        let start = body[..key.start].rfind('\n').map_or(0, |end_of_line| end_of_line + 1);
+        let end = body[value.end..].find('\n').map_or(body.len(), |length| value.end + length + 1);
+        return Ok(format!("{}{}", &body[..start], &body[end..]));
+    }
+    let mut document = document.into_mut();
+    let table: Option<&mut dyn TableLike> = match option.section {
+        "" => Some(document.as_table_mut()),
+        section => document.get_mut(section).and_then(Item::as_table_like_mut),
+    };
+    drop(table.and_then(|table| table.remove(option.name)));
     Ok(document.to_string())
 }
 
@@ -106,6 +132,33 @@ mod tests {
                 assert!(!super::super::effective::set_in(&without).contains(&option.key()), "{without}");
             }
         }
+    }
+
+    /// In the default file, each option is a commented line, so each comment may be a setting.
+    #[test]
+    fn unset_takes_no_comment_with_it() {
+        let default = default_file();
+        for option in OPTIONS {
+            let setting = format!("\n#{} = ", option.name);
+            let header = format!("[{}]", option.section);
+            let section = if option.section.is_empty() { 0 } else { default.find(&header).unwrap() };
+            let at = section + default[section..].find(&setting).unwrap() + 1;
+            let uncommented = format!("{}{}", &default[..at], &default[at + 1..]);
+            let line = default[at..].lines().next().unwrap();
+            let unset = apply(&uncommented, option, Change::Unset).unwrap();
+            let without = format!("{}{}", &default[..at], &default[at + line.len() + 1..]);
+            assert_eq!(unset, without, "{}", option.key());
+        }
+        let unset = |text: &str, key: &str| apply(text, option(key), Change::Unset).unwrap();
+        assert_eq!(
+            unset("# a\n[reuse]\n# b\nmode = 'on' # c\n# d\n", "reuse.mode"),
+            "# a\n[reuse]\n# b\n# d\n"
+        );
+        assert_eq!(unset("# a\nrates.mode = 'off'", "rates.mode"), "# a\n");
+        assert_eq!(
+            unset("# a\nchroma = { mode = 'off', rim_fade = 1 }\n", "chroma.mode"),
+            "# a\nchroma = { rim_fade = 1 }\n"
+        );
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! Configuration files of the user.
 
 use super::Failure;
-use parafovea_manifest::config::Places;
+use parafovea_manifest::config::{Names, Places};
 use parafovea_manifest::paths::{Environment, file_stem};
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Name for all applications without a file of their own.
 pub const ALL: &str = "all";
@@ -12,6 +14,14 @@ pub const ALL: &str = "all";
 /// The files of this user.
 pub struct Files {
     environment: Environment,
+}
+
+/// An application, or all of them.
+pub struct Target {
+    /// As it was typed.
+    pub name: String,
+    /// Its names; `None` for all applications.
+    names: Option<Names>,
 }
 
 /// An existing file.
@@ -32,30 +42,61 @@ impl Files {
         Some(self.environment.config_home()?.join("parafovea"))
     }
 
-    /// The file that is to be changed for an application.
-    pub fn own(&self, application: &str) -> Result<PathBuf, Failure> {
-        let folder = self.folder().ok_or(Failure::NoHome)?;
-        if application == ALL {
-            return Ok(folder.join("config.toml"));
+    /// The application that `name` means; a path is no name, unless an application gave it to OpenXR.
+    ///
+    /// # Errors
+    /// The name cannot be used.
+    pub fn target(&self, name: &str) -> Result<Target, Failure> {
+        if name == ALL {
+            return Ok(Target { name: name.to_owned(), names: None });
         }
-        let stem = file_stem(application).ok_or_else(|| Failure::NoName(application.to_owned()))?;
-        Ok(folder.join("apps").join(format!("{stem}.toml")))
+        let names = match Names::known(&self.environment, name, SystemTime::now()) {
+            Some(names) => names,
+            None if name.contains('/') => return Err(Failure::IsPath(name.to_owned())),
+            None => Names::unknown(name),
+        };
+        file_stem(name).ok_or_else(|| Failure::NoName(name.to_owned()))?;
+        Ok(Target { name: name.to_owned(), names: Some(names) })
+    }
+
+    /// The file that is to be changed for an application: the first of its own files that exists, else a new one by the name that was typed.
+    ///
+    /// # Errors
+    /// There is no folder for files.
+    pub fn own(&self, target: &Target) -> Result<PathBuf, Failure> {
+        let folder = self.folder().ok_or(Failure::NoHome)?;
+        let Some(names) = &target.names else { return Ok(folder.join("config.toml")) };
+        let file = |name: &OsStr| Some(folder.join("apps").join(format!("{}.toml", file_stem(name)?)));
+        let own = [names.application.as_ref().map(OsStr::new), names.executable.file_name()];
+        let existing = own.into_iter().flatten().filter_map(file).find(|file| exists(file));
+        existing
+            .or_else(|| file(OsStr::new(&target.name)))
+            .ok_or_else(|| Failure::NoName(target.name.clone()))
     }
 
     /// The file that holds for an application; `None`: the defaults do.
-    pub fn in_force(&self, application: &str) -> Option<PathBuf> {
-        let application = (application != ALL).then_some(application);
-        let places = Places::new(&self.environment, application, Path::new(application.unwrap_or_default()));
-        places.find(|file| fs::symlink_metadata(file).is_ok()).map(Path::to_owned)
+    pub fn in_force(&self, target: &Target) -> Option<PathBuf> {
+        let names = target.names.clone().unwrap_or_default();
+        let places = Places::new(&self.environment, names.application.as_deref(), &names.executable);
+        places.find(exists).map(Path::to_owned)
     }
 
     /// The rest of a sentence about a file that was copied for an application: whether it still applies to that.
-    pub fn applies(&self, from: &Path, application: &str) -> String {
+    pub fn applies(&self, from: &Path, target: &Target) -> String {
         if self.environment.config_file() == Some(from) {
-            "; PARAFOVEA_CONFIG names that file, so it still applies".to_owned()
+            String::new()
         } else {
-            format!(", which no longer applies to {application}")
+            format!(", which no longer applies to {}", target.name)
         }
+    }
+
+    /// A line about the file that applies to an application in the place of `changed`; `None` if that one does.
+    pub fn shadow(&self, changed: &Path, target: &Target) -> Option<String> {
+        let other = self.in_force(target).filter(|file| file != changed)?;
+        Some(format!(
+            "Without effect for now: PARAFOVEA_CONFIG is set, and its file, {}, applies instead.\n",
+            other.display()
+        ))
     }
 
     /// Existing files: of single applications by name, then of all.
@@ -71,8 +112,13 @@ impl Files {
             .collect();
         found.sort_by(|one, other| one.application.cmp(&other.application));
         let places = Places::new(&self.environment, None, Path::new(""));
-        let shared = places.files().iter().filter(|file| fs::symlink_metadata(file).is_ok());
+        let shared = places.files().iter().filter(|file| exists(file));
         found.extend(shared.map(|file| Found { application: "all others".to_owned(), path: file.clone() }));
         found
     }
+}
+
+/// Whether there is a file, or a link to one that is gone.
+fn exists(file: &Path) -> bool {
+    fs::symlink_metadata(file).is_ok()
 }

@@ -24,10 +24,10 @@ pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &E
 
 fn of_one(status: &Status, environment: &Environment) -> String {
     let executable = Path::new(&status.executable);
-    let mut text = format!("{} (process {}, {})\n", status.application, status.pid, status.executable);
+    let mut text = format!("{}\n", title(status));
     let mut line = |name: &str, value: &str| {
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "  {name:9} {value}");
+        let _ = writeln!(text, "  {name:9} {}", plain(value));
     };
     if !status.inert.is_empty() {
         line("state", &format!("inert: {}", status.inert));
@@ -56,15 +56,27 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         line("chroma", if status.attenuates_colour { "attenuated in the periphery" } else { "unchanged" });
         line("view", &view(status));
         line("passes", &format!("{} with shading rates in the last frame", status.passes_matched));
-        for (index, decision) in status.decisions.iter().enumerate() {
-            line(if index == 0 { "decisions" } else { "" }, &decision.line);
-        }
     }
     line("settings", &settings(&status.settings));
     if let Some(log) = environment.log_file(executable) {
         line("log", &log.display().to_string());
     }
+    // At the end, which may not fit on a screen. An inert session has none that count.
+    let decisions = status.decisions.iter().filter(|_| status.inert.is_empty());
+    for (index, decision) in decisions.enumerate() {
+        line(if index == 0 { "decisions" } else { "" }, &decision.line);
+    }
     text
+}
+
+/// The names of an application and its process, in one line.
+pub fn title(status: &Status) -> String {
+    plain(&format!("{} (process {}, {})", status.application, status.pid, status.executable))
+}
+
+/// As the log has it: names that an application chose may contain line ends and commands for the terminal.
+fn plain(text: &str) -> String {
+    text.replace(|character: char| character.is_control(), " ")
 }
 
 fn settings(settings: &Settings) -> String {
@@ -247,6 +259,17 @@ mod tests {
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
         }
+        // On a small screen, all else is more important.
+        assert!(text.ends_with("  decisions no rates\n            pass 64x64: the scene\n"), "{text}");
+    }
+
+    #[test]
+    fn names_cannot_move_the_cursor() {
+        let decisions = vec![Decision { line: "a\npass".to_owned(), ..Decision::default() }];
+        let names = ("Game\n\u{1b}[2J".to_owned(), "game\u{9b}.exe".to_owned());
+        let text = shown(Status { application: names.0, executable: names.1, decisions, ..active() });
+        assert!(text.starts_with("Game  [2J (process 7, game .exe)\n"), "{text:?}");
+        assert!(text.ends_with("  decisions a pass\n"), "{text:?}");
     }
 
     #[test]

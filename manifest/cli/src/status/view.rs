@@ -50,7 +50,7 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
         };
         all_follow &= line.is_ok();
         let (Ok(line) | Err(line)) = line;
-        println!("{} (process {}): {line}", status.application, status.pid);
+        crate::print(&format!("{}: {line}\n", super::text::title(&status)));
     }
     if all_follow { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

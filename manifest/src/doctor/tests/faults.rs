@@ -11,6 +11,17 @@ const CONFIG: &str = "home/.config/parafovea/config.toml";
 const FAULTS: &[Fault] = &[
     ("never installed", |machine| fs::remove_dir_all(machine.data()).unwrap(), &["not-installed"], true),
     (
+        "a folder of manifests that cannot be read",
+        |machine| {
+            // Not even root can read a link to itself; without the permission it is the same.
+            let folder = machine.manifest(Half::Vulkan).parent().unwrap().to_owned();
+            fs::remove_dir_all(&folder).unwrap();
+            symlink(&folder, &folder).unwrap();
+        },
+        &["folder-unreadable"],
+        false,
+    ),
+    (
         "one manifest missing",
         |machine| machine.remove(&machine.manifest(Half::Vulkan)),
         &["manifest-missing"],
@@ -116,7 +127,7 @@ const FAULTS: &[Fault] = &[
     ("enabled by another value than 1", |machine| machine.set("PARAFOVEA", "yes"), &["half-enabled"], false),
     (
         "left out by a filter of the Vulkan loader",
-        |machine| machine.set("VK_LOADER_LAYERS_DISABLE", "*MESA*, ~implicit~"),
+        |machine| machine.set("VK_LOADER_LAYERS_DISABLE", "*MESA*,~Implicit~"),
         &["filtered"],
         false,
     ),
@@ -259,6 +270,31 @@ const FAULTS: &[Fault] = &[
             created(machine).failure = Some("ERROR_INITIALIZATION_FAILED".to_owned());
         },
         &["no-device-with-layer"],
+        false,
+    ),
+    ("a GPU on which no program creates a device", |machine| refuse_all(machine), &["device-refused"], false),
+    (
+        "a GPU for no program, and one for programs without the layer",
+        |machine| {
+            refuse_all(machine);
+            let other = |failure: Option<&str>| CreatedDevice {
+                name: "A GPU".to_owned(),
+                failure: failure.map(str::to_owned),
+                has_layer: false,
+            };
+            machine.probed.created.as_mut().unwrap().push(other(Some("ERROR_FEATURE_NOT_PRESENT")));
+            machine.probed.created_without_layer.as_mut().unwrap().push(other(None));
+        },
+        &["device-refused", "no-device-with-layer"],
+        false,
+    ),
+    (
+        "a driver that takes too long for any program",
+        |machine| {
+            let late = || Err("it took longer than 10 seconds".to_owned());
+            (machine.probed.created, machine.probed.created_without_layer) = (late(), late());
+        },
+        &["device-refused"],
         false,
     ),
     ("a device without the layer", |machine| created(machine).has_layer = false, &["not-on-device"], false),
@@ -437,6 +473,13 @@ fn created(machine: &mut Machine) -> &mut CreatedDevice {
     &mut machine.probed.created.as_mut().unwrap()[0]
 }
 
+/// No device can be created, with or without the layer.
+fn refuse_all(machine: &mut Machine) {
+    for answer in [&mut machine.probed.created, &mut machine.probed.created_without_layer] {
+        answer.as_mut().unwrap()[0].failure = Some("ERROR_INITIALIZATION_FAILED".to_owned());
+    }
+}
+
 fn device(machine: &mut Machine) -> &mut Device {
     &mut machine.probed.vulkan.as_mut().unwrap().devices[0]
 }
@@ -493,4 +536,19 @@ fn an_outdated_layer_in_steams_flatpak_is_found() {
     assert_eq!(machine.ids(), [""; 0]);
     write(&library_path(&data), &library("0"));
     assert_eq!(machine.ids(), ["flatpak-steam"]);
+}
+
+/// As the Vulkan loader reads its filters: a space is part of a word, and only one of the variables knows all implicit layers.
+#[test]
+fn filters_of_the_vulkan_loader_are_read_as_it_reads_them() {
+    let ids = |disable: &str, allow: &str| {
+        let mut machine = Machine::new();
+        machine.set("VK_LOADER_LAYERS_DISABLE", disable);
+        machine.set("VK_LOADER_LAYERS_ALLOW", allow);
+        machine.ids()
+    };
+    assert_eq!(ids("*MESA*, ~implicit~", ""), [""; 0]);
+    assert_eq!(ids("*mesa*,*parafovea*", ""), ["filtered"]);
+    assert_eq!(ids("*", "~implicit~, VK_LAYER_PARAFOVEA_foveation"), ["filtered"]);
+    assert_eq!(ids("*", "vk_layer_parafovea_FOVEATION"), [""; 0]);
 }
