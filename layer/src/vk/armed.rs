@@ -136,7 +136,7 @@ impl Armed {
     pub fn note_static_viewports(&self) {
         if !self.has_static_viewports.swap(true, Ordering::Relaxed) {
             tracing::info!(
-                "a pipeline has viewports of its own: passes are taken to draw to all of their render areas"
+                "a pipeline has static viewports: the layer assumes that each pass draws to its whole render area"
             );
         }
     }

@@ -305,7 +305,7 @@ impl Perception {
     /// Logs why rates are not decided, once for each reason.
     fn log_once(&self, reason: &'static str) {
         if self.state().logged.replace(reason) != Some(reason) {
-            tracing::info!("rates by eccentricity alone: {reason}");
+            tracing::info!("rings instead of rates by contrast: {reason}");
         }
     }
 
@@ -369,7 +369,7 @@ impl Perception {
                 Some(new)
             }
             Err(error) => {
-                error.log("rates by eccentricity alone");
+                error.log("rings instead of rates by contrast");
                 None
             }
         }
