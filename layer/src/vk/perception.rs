@@ -255,7 +255,7 @@ impl Perception {
         Some([of(0), of(1)])
     }
 
-    /// A swapchain is about to end. Returns the queue whose work has to be waited for, as it reads pictures of that; `None` if there is none.
+    /// Forgets a swapchain that is about to be destroyed. Returns the queue that may still read its images and must be waited for, if any.
     pub fn forget_swapchain(&self, swapchain: u64) -> Option<vk::Queue> {
         self.state().eye_buffers.forget(swapchain)
     }
