@@ -80,7 +80,7 @@ choice! {
     SilenceRule {
         /// the rings of mode = "fixed"
         Fixed = "fixed",
-        /// by image contrast alone, with a greatest loss of 1.8 less than rates.greatest_loss
+        /// by image contrast alone, with a limit that is 1.8 below rates.greatest_loss
         Contrast = "contrast",
     }
 }
@@ -230,9 +230,9 @@ presets! {
             rates.peripheral = PeripheralRate::R2x2;
             rates.greatest_loss = 4.0;
         }
-        /// on a GPU, coarse where that loses little contrast; on a CPU device, an eighth of the shading from 27 degrees on
+        /// on a GPU, coarse rates in areas that lose little contrast; on a CPU device, an eighth of the shading beyond 27 degrees from the gaze
         Balanced = "balanced" {}
-        /// more visible changes: on a GPU, up to one and a half times the contrast loss that balanced allows; on a CPU device, a sixteenth of the shading from 18 degrees on
+        /// more visible changes: on a GPU, up to 1.65 times the contrast loss that balanced allows; on a CPU device, a sixteenth of the shading beyond 18 degrees from the gaze
         Performance = "performance" {
             rates.transitional_deg = 18.39;
             rates.peripheral = PeripheralRate::R4x4;
@@ -241,7 +241,7 @@ presets! {
         }
         /// balanced with chroma attenuation, for frames that are streamed to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
-        /// wide fixed foveation, for headsets without an eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
+        /// wide fixed foveation, for headsets without an eye tracker: a quarter of the shading beyond 40 degrees from the centre, an angle that the eyes reach only if the head turns
         Fixed = "fixed" {
             gaze.source = GazeSource::Centre;
             rates.mode = RatesMode::Fixed;
@@ -280,9 +280,9 @@ options! {
     gaze: Gaze {
         /// Source of the gaze.
         source: GazeSource = GazeSource::Auto;
-        /// Time for which the last gaze stays in use after the tracker loses the eyes, for instance in a blink.
+        /// Time that the last gaze stays in use after the tracker has lost the eyes, for instance in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
-        /// Delay until the layer attaches the eye tracker if the application has no OpenXR input; 0 for never. After that, the application cannot set up OpenXR input.
+        /// Delay after which the layer attaches the eye tracker to an application without OpenXR input; 0 for never. Afterwards, the application cannot set up OpenXR input.
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
         /// Correction of the eye tracker, in degrees to the left and upwards; added to the gaze before the correction from parafovea gaze calibrate or recentre.
         offset_deg: Angles = Angles::NONE;
@@ -292,7 +292,7 @@ options! {
         osc_scale_deg: f32 = 45.0, 10.0..=60.0 "degrees";
         /// Recording for source = "file": each line has seconds, degrees left and degrees up, separated by commas, or seconds alone while the eyes are lost.
         file: FilePath = FilePath::NONE;
-        /// Permission for the application to read the gaze through XR_EXT_eye_gaze_interaction, if source is "osc", "auto" or "file" and the runtime has no eye tracker; the application may store or send it. Then run parafovea doctor, which checks that applications can find it, and restart the application.
+        /// Permission for the application to read the gaze through XR_EXT_eye_gaze_interaction, and so to store or send it. Needs source = "osc", "auto" or "file", and a runtime without an eye tracker. After a change, restart the application; parafovea doctor checks that applications find the extension.
         offer: bool = false;
         /// New file for a recording of the gaze, in the format of gaze.file; without this option, no file contains the gaze.
         record: FilePath = FilePath::NONE;
@@ -322,17 +322,17 @@ options! {
         mode: RatesMode = RatesMode::Auto;
         /// Backend for shading rates.
         backend: RatesBackend = RatesBackend::Auto;
-        /// Reaction to a slowdown of the application by shading rates or re-use, which are judged separately.
+        /// Reaction to a slowdown of the application by shading rates or by re-use; each is judged separately.
         gate: RatesGate = RatesGate::Auto;
         /// Rules that name the scene's render passes; empty for automatic recognition.
         passes: PassRules = PassRules::default();
-        /// Radius of full shading rate around the gaze; the layer adds a margin for the tracker's error and for eye movement.
+        /// Radius of full shading rate around the gaze, for rings: with mode = "fixed", silence = "fixed" or on a CPU device, and if contrast cannot be measured. The layer adds a margin for the tracker's error and for eye movement.
         foveal_deg: f32 = 14.34, 5.0..=110.0 "degrees";
-        /// Angle from the gaze at which the peripheral rate begins; between foveal_deg and this angle, rates become coarser step by step.
+        /// Angle from the gaze at which the coarsest rate begins, for the same rings as foveal_deg. Between the two, rates become coarser step by step.
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// Coarsest shading rate, in pixels; a device without this rate uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::Auto;
-        /// Greatest contrast loss of a tile, in just-noticeable differences, for mode = "auto" and "audio-visual". It applies with the loudest sound; with quieter sound or in silence, the limit is up to 1.8 lower. Only the tiles with the largest saving reach it.
+        /// Greatest contrast loss of a tile, in just-noticeable differences, for mode = "auto" on a GPU and for "audio-visual"; a lower value looks better and saves less. The loudest sound permits this loss; with quieter sound or in silence, the limit is up to 1.8 lower. Only the tiles with the largest saving reach it.
         greatest_loss: f32 = 8.0, 0.0..=16.0 "";
         /// Shading rates in silence, for mode = "auto" and "audio-visual".
         silence: SilenceRule = SilenceRule::Contrast;
@@ -350,7 +350,7 @@ options! {
         phase: ReusePhase = ReusePhase::Staggered;
         /// Permission to update regions less than 30 times per second, where flicker is most visible; always given with mode = "paper".
         below_30_hz: bool = false;
-        /// Rendering of tiles with visible changes in every frame, as long as this takes less time than re-use saves; always off with mode = "paper".
+        /// Render tiles with visible changes in every frame, as long as this costs less time than re-use saves; always off with mode = "paper".
         refresh: bool = true;
     }
 
@@ -358,9 +358,9 @@ options! {
     chroma: Chroma {
         /// Chroma attenuation.
         mode: ChromaMode = ChromaMode::Off;
-        /// Fall-off of blue-yellow (Cb): Z of its curve, for mode = "paper"; higher values remove more colour.
+        /// Parameter Z of the curve for blue-yellow (Cb), for mode = "paper"; a higher value removes more colour.
         cb_bound: f32 = 0.70, 0.70..=0.85 "";
-        /// Fall-off of red-green (Cr): Z of its curve, for mode = "paper"; higher values remove less colour.
+        /// Parameter Z of the curve for red-green (Cr), for mode = "paper"; a higher value removes less colour.
         cr_bound: f32 = 0.55, 0.35..=0.55 "";
         /// Radius of full colour around the gaze; never less than the tracker's error.
         plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";

@@ -22,7 +22,7 @@ const LEAST_BETWEEN: usize = 9;
 const COPY_OF_MAP: &str = "vkCmdCopyImageToBuffer: For optimal performance";
 
 /// Log line of rates that are decided on the CPU.
-const FALLS_BACK: &str = "rates by eccentricity alone";
+const FALLS_BACK: &str = "rings instead of rates by contrast";
 
 /// Tiles of 16 x 16 along the sides of a picture of 256 x 224.
 const TILES: [usize; 2] = [16, 14];

@@ -121,7 +121,9 @@ fn locks_and_threads_are_the_codes() {
         }
     }
     let mut code = String::new();
-    below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../layer/src"), &mut code);
+    for folder in ["../layer/src", "../layer/audio/src"] {
+        below(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut code);
+    }
     let named: Vec<&str> = README.split('`').skip(1).step_by(2).collect();
     let locks: Vec<_> = named.iter().filter_map(|name| name.split_once("::")).collect();
     let threads: Vec<_> = named.iter().filter(|name| name.starts_with("parafovea-")).collect();

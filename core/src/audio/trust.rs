@@ -27,7 +27,7 @@ impl Continuity {
         Self { shares: VecDeque::with_capacity(window_hops), window_hops }
     }
 
-    /// Of the next hop this share was heard, 0..=1: neither lost on the way nor no number. NaN is 0.
+    /// Adds the share of the next hop that was captured and valid, 0..=1. NaN is 0.
     pub fn push(&mut self, share: f32) {
         if self.shares.len() == self.window_hops {
             self.shares.pop_front();

@@ -10,7 +10,7 @@ pub(super) const STRICT: f64 = 3.2905;
 /// Quantile for the decision at the end of a full trial: 97 %. A scene has one or two such trials.
 pub(super) const FINAL: f64 = 1.8808;
 
-/// Residuals beyond so many standard deviations are pulled in to that (Huber's winsorizing; 1.345 would be his choice
+/// Number of standard deviations to which larger residuals are reduced (Huber's winsorizing; 1.345 would be his choice
 /// for 95 % efficiency, but costs of frames have rare and large outliers rather than heavy tails).
 const OUTLIER: f64 = 2.5;
 

@@ -2,8 +2,8 @@
 
 use super::evidence::Evidence;
 
-/// A scene has ended when its set of eye passes was not seen for so long, nanoseconds: passes that come and go (a grab
-/// pass, a refraction, a scope) do so for shorter.
+/// Time without its set of eye passes after which a scene has ended, nanoseconds: intermittent passes (a grab pass, a refraction, a
+/// scope) are absent for less.
 pub const SCENE_HOLD_NS: i64 = 10_000_000_000;
 
 /// A short scene ends sooner: once its set was absent for this multiple of the scene's length. At an application's start pass detection

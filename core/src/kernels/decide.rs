@@ -80,7 +80,7 @@ uniform! {
     }
 }
 
-/// A tile whose rate changed less than so long ago, milliseconds, is not shaded at full rate to measure it, and its contrast counts by
+/// Time after a change of its rate for which a tile is not shaded at full rate to measure it, milliseconds. Meanwhile, its contrast counts by
 /// [`DecideParams::holding_budget`].
 pub const STEADY_MS: u8 = 100;
 

@@ -1,4 +1,4 @@
-//! From which shaded blocks a skipped one is filled: the nearest one in each quarter around it.
+//! Sources of a skipped block: the nearest shaded block in each quarter around it.
 
 use super::{BLOCK, MaskView, Pattern};
 use crate::image::Plane;

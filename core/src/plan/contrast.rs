@@ -49,7 +49,7 @@ impl VisibleContrast<'_> {
     }
 }
 
-/// Whether a tile has no contrast worth a look at how well it is seen.
+/// Whether a tile has too little contrast for an evaluation of its visibility.
 fn is_flat(tile: &TileContrast, flat_contrast: f32) -> bool {
     let [finest, second, ..] = tile.bands;
     finest + second <= flat_contrast && tile.bands.iter().all(|contrast| contrast.is_finite())

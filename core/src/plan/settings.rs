@@ -130,7 +130,7 @@ pub enum UpdateUnit {
 }
 
 impl From<Schedule> for UpdateSettings {
-    /// UpdateUnit of directions, with both safety limits.
+    /// Updates by direction, with both safety limits.
     fn from(schedule: Schedule) -> Self {
         Self { schedule, faster_in_pursuit: true, unit: UpdateUnit::Directions, uncapped: false }
     }

@@ -225,8 +225,7 @@ impl CommandRing {
         self.times.take(add)
     }
 
-    /// Waits until a slot is free again, the first time; where that was in vain it only looks from then on, so that an application
-    /// whose device is behind waits once.
+    /// Waits for a free slot. After a wait that timed out, only polls, so an application with a slow device waits once.
     fn wait_for_slot(&mut self, device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
         if !self.is_behind {
             // SAFETY: the fence belongs to the ring of this live device.
@@ -315,7 +314,7 @@ impl CommandRing {
     }
 }
 
-/// Waits until a device does nothing any more, or is lost; whether it is so.
+/// Waits until a device is idle or lost. Returns whether it is.
 ///
 /// # Safety
 /// The device is live, and none of its queues is used elsewhere.

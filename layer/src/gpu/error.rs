@@ -10,7 +10,7 @@ pub enum GpuError {
     /// A Vulkan function that we need is not there.
     #[error("the device has no function {}", .0.to_string_lossy())]
     Missing(&'static CStr),
-    /// The queue, a format, a size or a usage is not one that we can work with.
+    /// A queue, format, size or usage that the layer does not support.
     #[error("not supported: {0}")]
     Unsupported(&'static str),
     /// The caller asked for something that makes no sense, such as an image index out of range.
@@ -19,7 +19,7 @@ pub enum GpuError {
     /// A fence of ours was not signalled in time: the device hangs, or is very busy.
     #[error("timed out waiting for the layer's own work")]
     Timeout,
-    /// The device was given up before, see [`super::Gpu::abandon`].
+    /// The layer has stopped using the device, see [`super::Gpu::abandon`].
     #[error("the layer stopped using this device after a failure")]
     Abandoned,
     /// A Vulkan call failed.

@@ -100,7 +100,7 @@ impl Compose {
     /// Prepares the pass.
     ///
     /// # Errors
-    /// [`GpuError::Call`] or [`GpuError::Unsupported`] when memory or objects cannot be had.
+    /// [`GpuError::Call`] or [`GpuError::Unsupported`] if memory or an object cannot be created.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, GpuError> {
         let parameters = if gpu.is_software() { Parameters::OfVertices } else { Parameters::OfPixels };
         Self::with_parameters(gpu, parameters)
@@ -341,7 +341,7 @@ fn not_compared(error: GpuError) -> Changing {
     Changing::Never
 }
 
-/// Refuses earlier pictures that are not where they are said to be.
+/// Refuses earlier images that are not at the given places.
 fn check_reuse(job: &ComposeJob) -> Result<(), GpuError> {
     job.reuse.iter().try_for_each(|region| check_earlier(job, &region.reuse, &region.earlier))?;
     job.changes.iter().try_for_each(|region| check_earlier(job, &region.reuse, &region.earlier))?;

@@ -45,7 +45,7 @@ pub struct DebugViewPass {
     uses: Uses,
     pipelines: Vec<Drawn>,
     maps: Option<Maps>,
-    /// Whether copies to the maps are under way that no submit of ours comes behind.
+    /// Whether copies to the maps are pending, with no later submit of the layer to order them.
     has_copies: bool,
     uniforms: UniformRing<DebugViewParams>,
     gpu: Arc<Gpu>,

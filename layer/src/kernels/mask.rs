@@ -122,8 +122,7 @@ impl MaskPass {
         })
     }
 
-    /// Records that the mask of `target` is written from its texels as they are by then, in order with earlier and later passes on this
-    /// queue.
+    /// Records a write of the mask of `target` from its texels at execution, in order with earlier and later passes on this queue.
     pub fn record(&self, commands: &AppCommands, target: &MaskTarget) {
         commands.reads_to_copies();
         // Nothing is listed yet, and everything is shaded.

@@ -93,8 +93,7 @@ impl Resolve {
         Ok(RateMapTexels { set, _params: params_buffer, _table: table, texels, _eyes: eyes, len })
     }
 
-    /// Records that the texels of `target` are resolved from the rates as they are by then, ready to be copied or to be read by
-    /// compute shaders.
+    /// Records that the texels of `target` are resolved from the rates at execution, ready for copies and for reads by compute shaders.
     pub fn record(&self, commands: &AppCommands, target: &RateMapTexels) {
         commands.memory_barrier(READS_OF_RESULTS, COMPUTES);
         let groups = target.len.div_ceil(4).div_ceil(THREADS);

@@ -59,8 +59,7 @@ impl TemplateImage {
         self.is_drawn.load(Ordering::Acquire)
     }
 
-    /// Records that it is drawn from the template as it is by then, in order with earlier and later copies from it on this
-    /// queue.
+    /// Records a draw of the template's content at execution, in order with earlier and later copies from it on this queue.
     pub fn record(&self, commands: &AppCommands) {
         commands.draw_depth(&self.target, &self.layout, &self.set);
         self.is_drawn.store(true, Ordering::Release);

@@ -5,8 +5,7 @@ use std::io::Write;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::Path;
 
-/// The file is emptied if it is larger than this when opened, and a process stops writing after as much: 1 MiB, so a log never holds more
-/// than 2 MiB.
+/// Size above which a process empties the file when it opens it, and the most that the process appends afterwards: 1 MiB.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Appended to by any number of processes.

@@ -97,17 +97,17 @@ pub enum Unmatched {
     Large,
     /// Another aspect than the eye buffer.
     Aspect,
-    /// So many array layers: more than eyes, or two beside each other in each.
+    /// Number of array layers: more than eyes, or with two eyes side by side in each.
     Layers(u32),
     /// Its format does not hold colours.
     Format(vk::Format),
-    /// The picture that is shown fills only a part of the render area, which could be so before it too.
+    /// The shown image fills only a part of the render area, and so may earlier passes.
     Viewport,
-    /// Nothing that is shown is drawn after it.
+    /// No later pass draws an image that is shown.
     After,
     /// The scene is drawn straight into the swapchain.
     DrawnDirectly,
-    /// Images of the same shape serve different ends in one frame.
+    /// Images of the same shape have different uses in one frame.
     Ambiguous,
     /// Draws of the scene sample it, or nothing else: a mirror, a shadow map, a scope, a user interface.
     Texture,

@@ -52,11 +52,11 @@ pub struct Recognition {
 /// By this frame recognition has settled; before it nothing is listed.
 const SETTLED: u64 = 5;
 
-/// So many frames after it was last seen, something that was drawn straight or shown flat is no longer held to be.
+/// Number of frames after which an image that was drawn directly or shown flat no longer counts as such.
 const HOLD: u64 = 120;
 
-/// So many frames an unknown reader must have as many cameras to read, before the only one is taken for the scene: a mirror may be drawn in
-/// every second or third frame.
+/// Number of consecutive frames with an equal count of cameras for an unknown reader, after which a single camera counts as the scene: a mirror
+/// may be drawn in every second or third frame.
 const STEADY: u64 = 3;
 
 impl Recognition {
@@ -132,7 +132,8 @@ impl Recognition {
         }
     }
 
-    /// The verdict by the images of a pass; so many passes of the frame, with depth as it has or without, drew the first of them before.
+    /// The verdict by the images of a pass. `ordinal`: number of earlier passes of the frame to its first image, with depth if this pass has depth,
+    /// else without.
     fn by_image(
         &self,
         pass: &Pass,
@@ -242,7 +243,7 @@ impl Recognition {
         }
     }
 
-    /// Whether an image of the pass is so new that others of its shape know more than its looks.
+    /// Whether an image of the pass is too new to be judged by its own properties rather than by images of the same shape.
     fn is_young(&self, pass: &Pass, reason: Unmatched) -> bool {
         let by_looks = matches!(
             reason,

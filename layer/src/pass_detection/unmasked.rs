@@ -34,7 +34,7 @@ pub enum Unmasked {
     Changes,
     /// An object that it needs could not be made on the device.
     Failed,
-    /// There is no depth attachment: nothing that could keep fragments out.
+    /// No depth attachment, in which fragments could be masked.
     NoDepth,
     /// Depth is neither cleared nor loaded.
     DepthUndefined,
@@ -56,11 +56,11 @@ pub enum Unmasked {
     DepthClearedLater,
     /// Stencil of several samples from earlier passes is needed: a copy of depth alone between such images is untested.
     StencilLoaded,
-    /// Stencil is written and stored: in skipped blocks it would be as if nothing were there.
+    /// Stencil is written and stored, and would lack the draws in skipped blocks.
     StencilStored,
     /// Samples are counted, or their count decides which draws are executed.
     Queried,
-    /// It has shader objects, or pipelines that cannot be looked into.
+    /// Shader objects, or pipelines with unknown shaders.
     UnknownPipelines,
     /// Fragment shaders write elsewhere than to the attachments.
     SideEffects,
@@ -70,7 +70,7 @@ pub enum Unmasked {
     Suspended,
     /// A CPU shades fragments all of whose samples have failed their depth tests.
     ShadesHidden,
-    /// Nothing is stored that shows.
+    /// No visible attachment is stored.
     NothingStored,
     /// Pictures of this format cannot be interpolated.
     ColorFormat(vk::Format),

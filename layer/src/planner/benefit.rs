@@ -1,4 +1,4 @@
-//! Whether rates and re-use pay: costs of frames go to the gates of the models, and their answer to the Vulkan half.
+//! Benefit of rates and re-use: costs of frames go to the gates of the models, and their decisions to the Vulkan half.
 
 use crate::inputs::cost::{CpuCost, GpuCost, Late, OwnWork};
 use parafovea_core::gate::{Gate, GateMode, Gates, MeasuredFrame, Techniques, Verdict};
@@ -32,7 +32,7 @@ pub enum Clock {
     Gpu(u64),
 }
 
-/// Judges whether rates and re-use pay in a session.
+/// Decides whether rates and re-use save time in a session.
 #[derive(Clone, Debug)]
 pub struct Benefit {
     gates: Gates,
@@ -64,7 +64,7 @@ impl Default for Benefit {
 }
 
 impl Benefit {
-    /// Takes who decides.
+    /// Sets the modes of the gates.
     pub fn set_mode(&mut self, mode: Techniques<GateMode>) {
         self.gates.set_mode(mode);
     }
@@ -80,7 +80,7 @@ impl Benefit {
         self.had_maps
     }
 
-    /// Whether anybody needs the costs of frames now.
+    /// Whether a gate needs the costs of frames now.
     pub fn wants_costs(&self) -> bool {
         let Techniques { rates, reuse } = self.gates.gates();
         rates.wants_costs() || reuse.wants_costs()

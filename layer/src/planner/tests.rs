@@ -62,7 +62,7 @@ impl Session {
         self.planner.frame_begins(self.time_ns, 1);
     }
 
-    /// Plans the frame with that gaze. Whether there are new rates.
+    /// Plans the frame with that gaze. Returns whether the rates changed.
     fn plan(&mut self, look: Look) -> bool {
         self.planner.look(&self.config, look, self.head, self.time_ns);
         assert!(self.planner.plan(&self.config, true, self.head, self.time_ns));

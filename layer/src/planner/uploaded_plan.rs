@@ -48,8 +48,8 @@ impl UploadedPlan {
         self.is_known = false;
     }
 
-    /// Takes the maps of the plan of frame number `frame`, with the techniques that they shall have; and, where rates are to be decided on
-    /// the GPU, how the views are turned in the world. Whether they are news.
+    /// Takes the maps of the plan of frame number `frame`, with the enabled techniques and, if the GPU decides rates, with the orientation of
+    /// the views in the world. Returns whether they changed.
     pub fn update(
         &mut self,
         eyes: &[EyePlan; 2],

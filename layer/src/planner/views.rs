@@ -162,12 +162,12 @@ impl Views {
         }
     }
 
-    /// No shown object is nearer than this, metres, where that is known: from submitted depth.
+    /// Sets the least distance of a shown object, metres; `None` without submitted depth.
     pub fn set_nearest(&mut self, nearest_m: Option<f32>) {
         self.nearest_m = nearest_m;
     }
 
-    /// Nothing that is looked at is taken to be nearer than this, metres.
+    /// The assumed least distance of the objects in view, metres.
     pub fn nearest_m(&self) -> f32 {
         self.nearest_m.map_or(NEAREST_ASSUMED_M, |nearest| nearest.max(NEAREST_ASSUMED_M))
     }

@@ -60,7 +60,9 @@ fn rates(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     }
     Some(match is_blind(snapshot) {
         true => "the gaze is unknown, and the whole view is within the wide area of full rate".to_owned(),
-        false => "every tile is closer to the gaze than rates.foveal_deg plus the tracker's error".to_owned(),
+        false => {
+            "the whole view is within rates.foveal_deg plus the tracker's error from the gaze".to_owned()
+        }
     })
 }
 
@@ -145,7 +147,7 @@ fn chroma(config: &Config, snapshot: &StatusSnapshot, known: &Known) -> Option<S
 
 const DROPPED: &str = "dropped by rates.gate: no clear saving in this application, or rates.gate = \"off\"";
 
-const NO_IMAGES: &str = "no swapchain is virtual: all were created before the technique was enabled, or are not eligible; \
+const NO_IMAGES: &str = "no swapchain can be used: each is of an unsupported kind, or was created before the technique was enabled; \
                          restart the application";
 
 fn is_blind(snapshot: &StatusSnapshot) -> bool {
@@ -258,7 +260,7 @@ mod tests {
         assert!(why(&config, &blind, &NONE).contains("chroma: the gaze is unknown"));
         let faded = StatusSnapshot { attenuates_colour: true, ..seen() };
         let without_images = Known { has_own_images: false, ..NONE };
-        assert!(why(&config, &faded, &without_images).contains("no swapchain is virtual"));
+        assert!(why(&config, &faded, &without_images).contains("no swapchain can be used"));
         assert_eq!(why_unseen(&config, &faded, &NONE), None);
     }
 }

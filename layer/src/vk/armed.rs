@@ -1,4 +1,4 @@
-//! Everything that is kept of an armed device.
+//! State of an armed device.
 
 use super::candidates::Candidates;
 use super::frame::Frame;
@@ -99,8 +99,8 @@ impl Armed {
         }
     }
 
-    /// Whether its passes are followed: where a backend may make them coarser. Of others only the layouts count in which they leave
-    /// images of XR swapchains.
+    /// Whether its passes are followed, because a backend may make them coarser. Without a backend, only the layouts in which passes leave
+    /// images of XR swapchains count.
     pub fn follows_passes(&self) -> bool {
         self.backend.is_some()
     }
@@ -136,7 +136,7 @@ impl Armed {
     pub fn note_static_viewports(&self) {
         if !self.has_static_viewports.swap(true, Ordering::Relaxed) {
             tracing::info!(
-                "a pipeline has viewports of its own: passes are taken to draw to all of their render areas"
+                "a pipeline has static viewports: the layer assumes that each pass draws to its whole render area"
             );
         }
     }

@@ -42,7 +42,7 @@ impl Layouts {
         self.read(|images| images.iter().any(|known| known.is_virtual))
     }
 
-    /// An image is none of a swapchain's any more.
+    /// Forgets an image that no longer belongs to a swapchain.
     pub fn forget(&self, image: vk::Image) {
         self.write(|images| images.retain(|known| known.image != image));
     }

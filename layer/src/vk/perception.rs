@@ -255,7 +255,7 @@ impl Perception {
         Some([of(0), of(1)])
     }
 
-    /// A swapchain is about to end. Returns the queue whose work has to be waited for, as it reads pictures of that; `None` if there is none.
+    /// Forgets a swapchain that is about to be destroyed. Returns the queue that may still read its images and must be waited for, if any.
     pub fn forget_swapchain(&self, swapchain: u64) -> Option<vk::Queue> {
         self.state().eye_buffers.forget(swapchain)
     }
@@ -305,7 +305,7 @@ impl Perception {
     /// Logs why rates are not decided, once for each reason.
     fn log_once(&self, reason: &'static str) {
         if self.state().logged.replace(reason) != Some(reason) {
-            tracing::info!("rates by eccentricity alone: {reason}");
+            tracing::info!("rings instead of rates by contrast: {reason}");
         }
     }
 
@@ -369,7 +369,7 @@ impl Perception {
                 Some(new)
             }
             Err(error) => {
-                error.log("rates by eccentricity alone");
+                error.log("rings instead of rates by contrast");
                 None
             }
         }

@@ -17,9 +17,9 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Most pending command buffers of ours for a queue: of three frames, each with two submits that draw the scene, and an eye buffer
-/// of each eye that is analysed, and one that is drawn over. Beyond that maps stay as they are, unless they have no content yet, or leave something
-/// out, and pictures are left out.
+/// Limit of the layer's pending command buffers for a queue: three frames, each with two submits that draw the scene, and with the analysis and the
+/// overlay of each eye's image. Beyond the limit, images are not analysed, and maps stay unchanged unless they have no content yet or leave
+/// tiles out.
 const MOST_SLOTS: usize = 24;
 
 /// Command buffers that are made before any of them is looked at: the submits of a frame.
@@ -73,8 +73,8 @@ impl PreSubmitRing {
         Self { family, ..Self::default() }
     }
 
-    /// Submits the commands of `record`, of which `kept` has to live until they have finished, if there is room; never waits. Whether that
-    /// was done.
+    /// Submits the commands of `record` if a slot is free, and keeps `kept` until they have finished; never waits. Returns whether they were
+    /// submitted.
     ///
     /// # Safety
     ///
@@ -95,8 +95,8 @@ impl PreSubmitRing {
         })
     }
 
-    /// Does something with a slot that is not pending; with a new one beyond [`MOST_SLOTS`] only where that is urgent. Whether it was
-    /// done.
+    /// Runs a function with a slot that is not pending; beyond [`MOST_SLOTS`], only an urgent one gets a new slot. Returns whether the function
+    /// succeeded.
     pub fn with_slot(
         &self,
         own: Submitter<'_>,

@@ -238,7 +238,7 @@ pub unsafe extern "system" fn attach(
             }
             let own = answer.record(below(info));
             tracing::info!(
-                "no eye tracker: xrAttachSessionActionSets returned {result:?} with its action set, and {own:?} without"
+                "no eye tracker: xrAttachSessionActionSets returned {result:?} with the action set of the layer, and {own:?} without it"
             );
             known.actions.attached_without(known, own);
             own

@@ -278,12 +278,12 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
         Err(error @ GpuError::Timeout) => {
-            error.log("earlier images are shown until the device catches up");
+            error.log("the headset shows earlier images until the device catches up");
             works.retain(|work| !work.has_picture());
         }
         // It is short of memory, or lost: this frame shows the last pictures, and the next one tries again.
         Err(error) => {
-            error.log("earlier images, or none, are shown until the device accepts work again");
+            error.log("the headset shows earlier images, or none, until the device accepts work again");
             tools.gpu.give_up();
             let is_empty = |work: &Work<'_>, handle| work.swapchain.handle == handle && !work.has_picture();
             let shows_empty = submission.shows_any(|handle| works.iter().any(|work| is_empty(work, handle)));

@@ -169,7 +169,7 @@ pub fn are_all_real(session: xr::Session) -> bool {
     !of_session.is_empty() && of_session.iter().all(|swapchain| swapchain.substitute.is_none())
 }
 
-/// Whether a session has no swapchains yet, or one that keeps its pictures for so many frames.
+/// Whether a session has no swapchains yet, or one that keeps its images for that number of frames.
 pub fn keep_for(session: xr::Session, frames: u32) -> bool {
     let of_session = SWAPCHAINS.filter::<8>(|swapchain| swapchain.session.handle == session);
     let keeps = |swapchain: &Arc<Swapchain>| {

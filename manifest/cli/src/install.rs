@@ -43,7 +43,7 @@ pub struct Scope {
 /// Installs `library`, or the one that came with this program.
 pub fn install(library: Option<PathBuf>, scope: Scope) -> ExitCode {
     const NEXT: &str = "\
-installed; games use the layer only on request.
+installed; the layer stays off until you turn it on for a game.
 To check the installation: parafovea doctor
 To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%
 ";

@@ -33,7 +33,7 @@ fn half_enabled(surroundings: &Surroundings) -> Option<Finding> {
         Finding::problem(
             "half-enabled",
             format!("{ENABLE_VARIABLE} is {:?} instead of 1", value.to_string_lossy()),
-            "The OpenXR loader checks only that it is set, the Vulkan loader that it is 1: only one half is loaded, and has no effect alone.",
+            "With any value, the OpenXR loader loads its half of the layer, but the Vulkan loader needs the value 1. One half alone has no effect.",
         )
         .advise(format!("{ENABLE_VARIABLE}=1 turns the layer on; to turn it off, unset the variable")),
     )

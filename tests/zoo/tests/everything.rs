@@ -40,7 +40,7 @@ const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"contrast
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n[debug]\nview = \"eccentricity\"\n";
 
 /// A software device that compiles on a busy machine is behind for seconds, which is logged, and no error.
-const LATE: &str = "earlier images are shown until the device catches up";
+const LATE: &str = "the headset shows earlier images until the device catches up";
 
 /// Stand-in for a device with shading rates; None: the device unchanged, for masks.
 type Device = Option<ShadingRateProfile>;

@@ -24,7 +24,7 @@ pub struct RateCapabilities {
     pub limits: Limits,
 }
 
-/// `VkPhysicalDeviceFragmentShadingRatePropertiesKHR`: whether rates go together with ...
+/// Features that the device can combine with shading rates, from `VkPhysicalDeviceFragmentShadingRatePropertiesKHR`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Fragment shaders that write depth or stencil.
@@ -39,7 +39,7 @@ pub struct Limits {
     pub interlock: bool,
     /// Custom sample locations.
     pub custom_sample_locations: bool,
-    /// Up to so many samples a pixel.
+    /// Largest number of samples per pixel.
     pub samples: vk::SampleCountFlags,
 }
 

@@ -23,7 +23,7 @@ pub struct RateImages {
     failures: AtomicU32,
 }
 
-/// After so many failures no image is tried to be made any more.
+/// Number of failures after which no more images are created.
 const MOST_FAILURES: u32 = 4;
 
 /// Creates rate images.

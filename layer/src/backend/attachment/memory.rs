@@ -31,7 +31,7 @@ pub struct Suballocation {
 }
 
 impl Memory {
-    /// A place in an allocation that there is, in memory of a type.
+    /// Reserves a place in an existing allocation of a memory type.
     pub fn take(&mut self, requirements: &vk::MemoryRequirements, kind: u32) -> Option<Suballocation> {
         let offset_in = |block: &Block| block.used.next_multiple_of(requirements.alignment.max(1));
         let fits =

@@ -67,7 +67,7 @@ pub struct ColorFacts {
     pub is_fillable: bool,
 }
 
-/// Ways of the depth tests that were seen.
+/// Directions of the depth tests so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Directions {
     /// LESS or LESS_OR_EQUAL.

@@ -7,7 +7,7 @@ use crate::gpu::{AppendedLayout, ReturnLayout};
 use ash::vk;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
-/// Attachments count as resources of the fragment stage, and so many are the most that devices have.
+/// Largest number of attachments on any device; they count as resources of the fragment stage.
 const MOST_ATTACHMENTS: u32 = 16;
 
 /// The facts of a descriptor set layout that count.

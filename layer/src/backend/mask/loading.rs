@@ -127,8 +127,8 @@ fn cleared_depth(pass: &RenderPass) -> Option<(usize, vk::ImageLayout)> {
     may.then_some((index as usize, layout))
 }
 
-/// Whether colour of one sample is resolved: that breaks a rule (VUID-VkSubpassDescription-pResolveAttachments-00848), which no
-/// pass of ours is to do too.
+/// Whether colour of one sample is resolved. This is invalid (VUID-VkSubpassDescription-pResolveAttachments-00848), so no pass of the
+/// layer may copy it.
 fn resolves_one_sample(pass: &RenderPass) -> bool {
     pass.subpasses.iter().flat_map(|subpass| subpass.colors.iter().zip(&subpass.resolves)).any(|ends| {
         let (Some(color), Some(_)) = ends else { return false };

@@ -41,17 +41,17 @@ pub struct Ended {
     pub is_prepass: bool,
 }
 
-/// Something that passes need before they have a mask.
+/// State of an object that passes need for a mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Wanted {
-    /// Not asked for.
+    /// Not requested.
     #[default]
     No,
-    /// Not there yet.
+    /// Requested, but not available yet.
     Waiting,
-    /// It cannot be made, as far as was tried.
+    /// Could not be created.
     Failed,
-    /// There.
+    /// Available.
     Ready,
 }
 
@@ -249,7 +249,7 @@ impl TargetMask {
         Ok(self.masks.compiler().ask("no mask for a render pass", make))
     }
 
-    /// Logs how a pass of the scene was recorded, where that is news.
+    /// Logs how a pass of the scene was recorded, if that changed.
     pub(super) fn log_outcome(&self, outcome: Result<Option<Unmasked>, Unmasked>) {
         if matches!(outcome, Err(Unmasked::Off | Unmasked::New | Unmasked::Undrawn)) {
             return;

@@ -91,8 +91,8 @@ impl<'a> Draws<'a> {
 }
 
 impl<'a> Draw<'a> {
-    /// Whether all that is taken as a whole from the picture of index `age` is copied, and not drawn: nothing has moved, and
-    /// colour stays as it is.
+    /// Whether whole regions from the image of index `age` are copied instead of drawn, because nothing has moved and colour stays
+    /// unchanged.
     pub(super) fn is_copied(&self, region: &ReuseRegion, age: usize) -> bool {
         !self.attenuates && region.reuse.is_still_since(age + 1)
     }

@@ -9,13 +9,13 @@ use super::{HOLD, Parts};
 use crate::pass_detection::{Event, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
 use rustc_hash::FxHashMap;
 
-/// Knowledge of an image is given up when it occurred in so many frames without being seen again.
+/// Number of frames with an image, but without new evidence, after which knowledge of the image is dropped.
 const MOST_MISSES: u32 = 60;
 
-/// So many frames after it last occurred, an image is forgotten.
+/// Number of frames after its last use, after which an image is forgotten.
 const FORGOTTEN_AFTER: u64 = 120;
 
-/// An image that was first met within so many frames is young.
+/// Number of frames for which an image counts as young.
 const YOUNG: u64 = 3;
 
 /// All images that lately occurred.

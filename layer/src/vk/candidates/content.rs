@@ -161,8 +161,8 @@ impl Content {
         self.unfilled.1
     }
 
-    /// Takes the source of the next map on the GPU: these texels, resolved over `parts` of `area`, in exchange for others. Whether that is
-    /// news: else the map is so already.
+    /// Takes the source of the next map on the GPU: these texels, resolved over `parts` of `area`, in exchange for others. Returns whether it
+    /// changed; otherwise the map has this content already.
     pub fn resolve(&mut self, area: [u32; 4], parts: &[Part], texels: &mut Vec<u8>) -> bool {
         let source = &mut self.source;
         let is_same = source.area == area && source.parts.as_slice() == parts && source.texels == *texels;

@@ -26,7 +26,7 @@ impl Tools {
         unsafe {
             let make =
                 move |compilation: &Arc<Compilation>| Self::new(Gpu::without_queue(&record)?, compilation);
-            Compiler::of(&record).ask("rates by eccentricity alone", make)
+            Compiler::of(&record).ask("rings instead of rates by contrast", make)
         }
     }
 

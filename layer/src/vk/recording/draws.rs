@@ -134,8 +134,8 @@ impl Open {
         self.is_bound_anew(true);
     }
 
-    /// Other sets are bound, with known attachments or without. A pass with noted unknown reads learns nothing from more of them: with sets of
-    /// unknown content, as DXVK has, each draw would be noted.
+    /// Updates the flags after other sets were bound, with known attachments or without. A pass with noted unknown reads learns nothing from more
+    /// of them: with sets of unknown content, as DXVK has, each draw would be noted.
     fn is_bound_anew(&self, names_attachments: bool) {
         self.may_read.set(self.is_unknown.get() || self.sets.iter().any(|set| set.get() != 0));
         for (noted, has_unknown) in self.noted.iter().zip(&self.has_unknown) {
@@ -272,7 +272,7 @@ pub fn bind_unknown(handle: vk::CommandBuffer) {
     });
 }
 
-/// This thread continues the pass of a command buffer, or begins it.
+/// Continues the pass of a command buffer on this thread, or begins it.
 fn take_up(of: &Buffer, handle: vk::CommandBuffer, begins: bool) {
     let raw = handle.as_raw();
     let took = OPEN.try_with(|open| {

@@ -44,7 +44,7 @@ impl StencilTests {
 }
 
 impl Recorded {
-    /// The state of stencil tests is about to change, or the pass to end, after so many draws in it.
+    /// Checks the state of stencil tests before it changes or the pass ends; `draws` counts the draws of the pass so far.
     pub(super) fn look_at_stencil(&mut self, draws: u32) {
         if self.stencil.draws != draws {
             self.stencil.draws = draws;

@@ -45,7 +45,7 @@ struct Facts {
 }
 
 impl Facts {
-    /// Adds or replaces a module's facts, and returns whether they are news. Beyond the limit the oldest go.
+    /// Adds or replaces a module's facts, and returns whether they changed. Beyond the limit, the oldest are removed.
     fn insert(&mut self, identifier: Identifier, shaders: Arc<FragmentShaders>) -> bool {
         match self.by_identifier.insert(identifier.clone(), shaders.clone()) {
             Some(before) => before != shaders,

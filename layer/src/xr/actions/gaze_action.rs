@@ -29,8 +29,8 @@ pub struct GazeAction {
 pub struct Wanted {
     /// Number within its instance, from 1: names are unique.
     pub number: u32,
-    /// As that of the application's set that has the gaze: a lower one would lose its source to that, a higher one would
-    /// take it away. Without such a set 0, the lowest.
+    /// Priority of the application's set with the gaze: a lower one would lose the source to that set, a higher one would take it
+    /// away. 0, the lowest, without such a set.
     pub priority: u32,
     /// The application's suggestion for the profile of eye gaze: each suggestion replaces the one before.
     pub applications: Vec<xr::ActionSuggestedBinding>,

@@ -70,7 +70,7 @@ impl Profiles {
         state.known = if state.owed { known } else { Current::new() };
     }
 
-    /// Whether an event about the session's profiles is none of the application's business.
+    /// Whether an event about the session's profiles must be hidden from the application.
     pub fn hides_event(&self, session: &Session) -> bool {
         {
             let mut state = self.state();

@@ -15,11 +15,11 @@ fn warn_of_copies(left_out: &[String], after: &[String]) {
     let lost: Vec<&str> = lost.map(String::as_str).collect();
     let lost = match lost.is_empty() {
         true => String::new(),
-        false => format!("; these layers, listed between, are left out: {}", lost.join(", ")),
+        false => format!("; these layers in between are left out: {}", lost.join(", ")),
     };
     tracing::warn!(
-        "the OpenXR loader lists this layer more than once, and one of them is used: two installations, or a folder twice in \
-         XDG_DATA_DIRS; `parafovea doctor` names them{lost}"
+        "the OpenXR loader lists this layer more than once; only the last entry is used. The cause is two installations, or a folder \
+         that XDG_DATA_DIRS names twice: `parafovea doctor` names them{lost}"
     );
 }
 

@@ -90,7 +90,7 @@ pub fn fall_asleep(
     }
 }
 
-/// Whether nothing of a frame is of use for now.
+/// Whether the layer can skip all work in this frame.
 fn may_sleep(session: &Session, (active, config): (&Active, &ConfigSnapshot), time: xr::Time) -> bool {
     let state = &active.plan;
     let has_work = || state.planner().has_work(config, active.health() == Health::Works);

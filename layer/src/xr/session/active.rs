@@ -43,9 +43,9 @@ pub struct Tools {
 pub enum Health {
     /// Everything.
     Works = 0,
-    /// The application's pictures are delivered as they are.
+    /// The application's images are delivered unchanged.
     CopyOnly = 1,
-    /// Not even that: frames that show virtual swapchains end without layers, and no more of those are made.
+    /// No images are delivered: frames with virtual swapchains end without layers, and no new virtual swapchain is created.
     Stopped = 2,
 }
 
@@ -109,8 +109,7 @@ impl Active {
         self.report.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The costs of earlier frames that became known when the one of this report ended; draws of ours at its end are timed where
-    /// `is_timed`.
+    /// The costs of earlier frames that became known at the end of this report's frame; the layer's draws there are timed if `is_timed`.
     pub fn gpu_costs(&self, report: &FrameReport, is_timed: bool) -> SmallVec<[GpuCost; MOST_FRAME_TIMES]> {
         let mut costs = self.costs.lock().unwrap_or_else(PoisonError::into_inner);
         report.times.iter().for_each(|&time| costs.add(time));

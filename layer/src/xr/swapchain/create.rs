@@ -193,7 +193,7 @@ fn track(
         && !info.usage_flags.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT)
         && description.analyzed_format().is_none()
     {
-        tracing::info!("rates by eccentricity alone in a swapchain: its images cannot be read");
+        tracing::info!("rings instead of rates by contrast in a swapchain: its images cannot be read");
     }
     let swapchain = Arc::new(Swapchain::new(session, handle, description, substitute));
     if let Some(substitute) = &swapchain.substitute {

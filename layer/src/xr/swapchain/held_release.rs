@@ -47,7 +47,7 @@ impl Swapchain {
         held.early_frames += 1;
         if held.early_frames == MOST_EARLY_FRAMES {
             tracing::info!(
-                "rates by eccentricity alone in a swapchain, without debug views: the application takes its next image before it ends \
+                "rings instead of rates by contrast in a swapchain, and no debug views: the application acquires its next image before it ends \
                  the frame"
             );
         }

@@ -61,17 +61,17 @@ const KINDS: &[Kind] = &[
                 why: "Temporal anti-aliasing copes with blocks of two pixels; with larger blocks, edges flicker.",
             },
             Suited {
-                key: "rates.transitional_deg",
-                value: "22.0",
-                why: "In exchange, the coarsest rate begins closer to the gaze.",
+                key: "rates.greatest_loss",
+                value: "10.0",
+                why: "In exchange, more tiles become coarse on a GPU.",
             },
         ],
     },
     Kind {
         name: "godot",
         about: &[
-            "Godot 4 games: one multiview render pass for both eyes.",
-            "The rate attachment of such a pass has a layer for each eye, or the finer rates of both.",
+            "Godot 4 games: Mobile draws both eyes in one multiview render pass; Forward+ draws several, then maps tones.",
+            "The rate attachment of a multiview pass has a layer for each eye, or the finer rates of both.",
         ],
         settings: &[Suited {
             key: "preset",
@@ -98,6 +98,11 @@ const KINDS: &[Kind] = &[
             "A larger area around the gaze stays sharp, and no area becomes very coarse.",
         ],
         settings: &[
+            Suited {
+                key: "rates.mode",
+                value: "\"fixed\"",
+                why: "Rings keep the area around the gaze sharp regardless of its contrast.",
+            },
             Suited {
                 key: "rates.foveal_deg",
                 value: "20.0",

@@ -112,7 +112,7 @@ fn rates(rates: &Rates) -> String {
     let tiles: Vec<String> = rates.tiles.iter().map(share).collect();
     let shaded = format!("{:.0} % of the pixels shaded; tiles: {}", rates.shaded * 100.0, tiles.join(", "));
     let shaded = match rates.decided_on_gpu {
-        true => format!("decided on the GPU by contrast; by eccentricity alone: {shaded}"),
+        true => format!("decided on the GPU by contrast; with rings instead: {shaded}"),
         false => shaded,
     };
     if rates.rendered < 1.0 {
@@ -142,7 +142,7 @@ pub fn why_not_drawn(status: &Status) -> &'static str {
         "age" if status.reuse_gate.mode == "off" || !status.reuse_gate.is_kept => {
             "re-use is off, or was dropped"
         }
-        _ => "its swapchains are not eligible, or no frame is rendered",
+        _ => "its swapchains are of an unsupported kind, or the game renders no frames",
     }
 }
 
@@ -320,7 +320,7 @@ mod tests {
         let active = active();
         let rates = Rates { decided_on_gpu: true, ..active.rates.clone() };
         let text = shown(Status { rates, ..active });
-        let line = "tiles     decided on the GPU by contrast; by eccentricity alone: 77 % of the pixels";
+        let line = "tiles     decided on the GPU by contrast; with rings instead: 77 % of the pixels";
         assert!(text.contains(line), "{text}");
     }
 

@@ -164,7 +164,7 @@ fn states(
     Ok(states)
 }
 
-/// The strongest of the sources, and whether that is news.
+/// The strongest of the sources, and whether it changed.
 fn state(before: State, sources: impl Iterator<Item = [f32; 2]>, now: i64) -> State {
     let strength = |value: &[f32; 2]| value[0].hypot(value[1]);
     match sources.max_by(|a, b| strength(a).total_cmp(&strength(b))) {

@@ -65,7 +65,7 @@ impl OscSource {
         (wanted.is_some() && self.listener.is_none() && may_try, ended)
     }
 
-    /// A listener was begun at `address`, or could not be. Whether a failure is news.
+    /// Takes the result of opening a listener at `address`. Returns whether it is a new failure.
     pub fn opened(&mut self, address: SocketAddr, listener: std::io::Result<Listener>, now: Instant) -> bool {
         if self.wanted != Some(address) {
             return false;
