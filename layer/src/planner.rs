@@ -16,7 +16,7 @@ pub use benefit::{Benefit, Clock, EndedFrame};
 pub use capabilities::Capabilities;
 pub use seen::DebugOverlay;
 
-pub use views::{ShownView, View, Views, head_of};
+pub use views::{ShownView, TREMOR, View, Views, head_of};
 pub use watched::Watched;
 
 use crate::config::{

@@ -9,7 +9,7 @@ use parafovea_core::geometry::Fov;
 use parafovea_core::plan::EyeInput;
 
 /// Smaller differences count as none, radians: 0.06 degrees, a pixel or so, an eighth of the hysteresis of the rings.
-const TREMOR: f32 = 1e-3;
+pub const TREMOR: f32 = 1e-3;
 
 /// The same of positions, metres: 0.05 degrees at half a metre.
 const TREMOR_M: f32 = 5e-4;

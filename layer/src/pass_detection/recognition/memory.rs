@@ -6,7 +6,7 @@ use super::projected::UNSTEADY;
 use super::provenance::Role;
 use super::roles::Roles;
 use super::{HOLD, Parts};
-use crate::pass_detection::{Event, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
+use crate::pass_detection::{Event, Eyes, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
 use rustc_hash::FxHashMap;
 
 /// Number of frames with an image, but without new evidence, after which knowledge of the image is dropped.
@@ -59,6 +59,8 @@ struct Placed {
     before: (Placements, Areas),
     remembered_at: u64,
     unsteady_at: Option<u64>,
+    /// The last frame that made the other eye's picture of the same rectangle.
+    alternated_at: Option<u64>,
 }
 
 /// Something that earlier frames have shown.
@@ -184,10 +186,14 @@ impl Memory {
         if !placed.evidence.holds() {
             return Err(Unmatched::New);
         }
-        if placed.unsteady_at.is_some_and(|at| frame < at + UNSTEADY) {
+        let is_recent = |at: Option<u64>| at.is_some_and(|at| frame < at + UNSTEADY);
+        if is_recent(placed.unsteady_at) {
             return Err(Unmatched::Unsteady);
         }
-        let parts = placement::parts(&placed.placements, &placed.areas, target, area);
+        let mut parts = placement::parts(&placed.placements, &placed.areas, target, area);
+        if is_recent(placed.alternated_at) {
+            parts.iter_mut().for_each(|part| part.eyes = Eyes::Finer);
+        }
         if parts.is_empty() { Err(Unmatched::NotShown) } else { Ok(parts) }
     }
 
@@ -263,7 +269,7 @@ impl Memory {
         }
     }
 
-    /// Looks which images' pictures moved while the passes that draw them did not.
+    /// Looks which images' pictures moved, or changed their eye, while the passes that draw them did not.
     pub(super) fn compare(&mut self, frame: u64) {
         for image in self.images.values_mut() {
             image.placed.compare(frame);
@@ -353,7 +359,15 @@ impl Placed {
     fn compare(&mut self, frame: u64) {
         let (placements, areas) = &self.before;
         let is_compared = self.evidence.at == frame && !areas.is_empty();
-        if is_compared && *areas == self.areas && *placements != self.placements {
+        if !is_compared || *areas != self.areas || *placements == self.placements {
+            return;
+        }
+        let at_any_eye = |placements: &[Placement]| -> Placements {
+            placements.iter().map(|placement| Placement { eyes: Eyes::Finer, ..*placement }).collect()
+        };
+        if at_any_eye(placements) == at_any_eye(&self.placements) {
+            self.alternated_at = Some(frame);
+        } else {
             self.unsteady_at = Some(frame);
         }
     }

@@ -127,3 +127,18 @@ fn a_picture_that_changes_within_its_render_area() {
     });
     app.expect("scene", &Err(Unmatched::Unsteady));
 }
+
+/// Alternate-eye rendering: one target, whose picture is the left eye's in even frames and the right eye's in odd ones.
+#[test]
+fn a_target_that_alternates_between_the_eyes_has_the_finer_rate_of_both() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let image = app.image(EYE, LDR);
+    app.run(200, |app| {
+        let chain = &eyes[app.frame as usize % 2];
+        app.scene("scene", image);
+        app.copy(image, app.current(chain));
+        app.show(&app.both(&eyes));
+    });
+    app.expect("scene", &transferred(Eyes::Finer));
+}
