@@ -20,7 +20,7 @@ pub use polynomial::{GazePolynomial, PolynomialOrder};
 pub use recentre::{GazeOffset, MAX_OFFSET_DEG, RecentreFailure, Recentring};
 pub use rejection::Rejection;
 pub use settings::GazeSettings;
-pub use tracker::GazeTracker;
+pub use tracker::{GazeTracker, is_unchanged};
 pub use vergence::{NEAREST_ASSUMED_M, eye_directions};
 
 use crate::geometry::{eccentricity, rotation};

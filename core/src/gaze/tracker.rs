@@ -13,6 +13,7 @@ mod motion;
 mod saccade;
 
 use freeze_detector::FreezeDetector;
+pub use freeze_detector::is_unchanged;
 use head::Head;
 use line_fit::EyeSample;
 use motion::{EyeMovement, Motion};
@@ -111,7 +112,7 @@ impl GazeTracker {
 
     /// Takes one sample that was the newest when the source was asked about `now_ns` (in a frame, the time when it is shown,
     /// which [`Self::state`] is asked about too). A time of 0 or less is not known, as in `XrEyeGazeSampleTimeEXT`: the sample
-    /// is taken to be as old as [`GazeSettings::latency_ms`], and to be the one before where it equals that in every bit. One
+    /// is taken to be as old as [`GazeSettings::latency_ms`], and to be the one before if within 0.005 degrees of it. One
     /// without `valid` or without a plausible direction is a missing gaze, see [`Self::rejection`].
     pub fn push_at(&mut self, sample: &GazeSample, now_ns: i64) {
         if sample.time_ns > 0 {
@@ -131,8 +132,8 @@ impl GazeTracker {
 
     /// Takes the orientation of the head (in any fixed space) at a time, on the clock of the samples: eyes turn against it, so that
     /// a gaze that rests in the world follows nothing, is where it was in the world when the frame is shown, and is in no saccade.
-    /// One that turns with the head follows nothing either, and is where it was from the head; but one that does not change in any
-    /// bit meanwhile is frozen. Without this call, the head counts as still.
+    /// One that turns with the head follows nothing either, and is where it was from the head; but one that does not change
+    /// meanwhile is frozen. Without this call, the head counts as still.
     pub fn head_turned(&mut self, head: Quat, time_ns: i64) {
         if let Some(head) = rotation(head) {
             let angle_deg = self.head.turned(head, time_ns);

@@ -59,21 +59,33 @@ fn a_sample_time_that_is_not_known_is_the_usual_latency_ago() {
 
 #[test]
 fn without_times_a_repeated_answer_is_no_sample() {
-    // A tracker of 30 Hz that follows at 20 deg/s, read at 90 Hz: each answer comes three times.
-    let mut tracker = GazeTracker::new(GazeSettings::default());
-    let mut now = 0;
-    for frame in 0..180 {
-        now = 5000 * MS + frame * 11 * MS;
-        tracker.push_at(&sample(0.66 * (frame / 3) as f32, 0), now);
-        if frame > 60 {
-            assert_eq!(tracker.state(now).phase, GazePhase::Pursuit, "frame {frame}");
+    // A tracker of 30 Hz that follows at 20 deg/s, read at 90 Hz: each answer comes three times, by poses of a head that trembles.
+    for composed in [false, true] {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let mut now = 0;
+        for frame in 0..180 {
+            now = 5000 * MS + frame * 11 * MS;
+            let mut seen = sample(0.66 * (frame / 3) as f32, 0);
+            if composed {
+                let trembling = Quat::from_rotation_y(0.001 * (frame * 31 % 17) as f32);
+                seen.directions = seen.directions.map(|gaze| by_poses(trembling, gaze));
+            }
+            tracker.push_at(&seen, now);
+            if frame > 60 {
+                assert_eq!(tracker.state(now).phase, GazePhase::Pursuit, "frame {frame}");
+            }
         }
+        assert!((tracker.state(now).velocity_deg_s - 20.0).abs() < 0.5, "{:?}", tracker.state(now));
     }
-    assert!((tracker.state(now).velocity_deg_s - 20.0).abs() < 0.5, "{:?}", tracker.state(now));
+}
+
+/// A gaze from the head, by a runtime that turns it into the world and back.
+fn by_poses(head: Quat, gaze: Vec3) -> Vec3 {
+    head.inverse() * (head * gaze)
 }
 
 #[test]
-fn without_times_a_gaze_that_rests_in_every_bit_is_not_lost() {
+fn without_times_a_gaze_that_never_changes_is_not_lost() {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     for frame in 0..900 {
         let now = 5000 * MS + frame * 11 * MS;
@@ -162,14 +174,18 @@ fn a_gaze_outside_of_both_views_is_held_and_then_lost() {
 /// Windows Mixed Reality advertises a gaze that is the head's direction; trackers also hang.
 #[test]
 fn a_gaze_that_never_changes_while_the_head_turns_is_no_gaze() {
-    for (head_deg_s, frozen) in [(30.0, true), (0.0, false)] {
+    for (head_deg_s, frozen, composed) in
+        [(30.0, true, false), (0.0, false, false), (30.0, true, true), (0.0, false, true)]
+    {
         let mut tracker = GazeTracker::new(GazeSettings::default());
         let mut lost_at = None;
         for frame in 0..270i64 {
             let now = 5000 * MS + frame * 11 * MS;
             let seconds = frame as f32 * 0.011;
-            tracker.head_turned(Quat::from_rotation_y((head_deg_s * seconds).to_radians()), now);
-            tracker.push_at(&sample(0.0, now - LATENCY), now);
+            let head = Quat::from_rotation_y((head_deg_s * seconds).to_radians());
+            tracker.head_turned(head, now);
+            let gaze = if composed { by_poses(head, yaw(12.0)) } else { yaw(12.0) };
+            tracker.push_at(&GazeSample { directions: [gaze; 2], ..sample(12.0, now - LATENCY) }, now);
             if tracker.rejection() == Some(Rejection::Frozen) {
                 lost_at.get_or_insert(seconds);
                 assert_eq!(tracker.state(now).phase, GazePhase::Lost);
@@ -180,7 +196,7 @@ fn a_gaze_that_never_changes_while_the_head_turns_is_no_gaze() {
         if frozen {
             let now = 5000 * MS + 270 * 11 * MS;
             assert_eq!(tracker.state(now).trust, 0.0);
-            tracker.push_at(&sample(0.01, now - LATENCY), now);
+            tracker.push_at(&sample(12.01, now - LATENCY), now);
             assert_eq!(tracker.rejection(), None, "a tracker that goes on is believed again");
             assert_eq!(tracker.state(now).phase, GazePhase::PostSaccade);
         }
