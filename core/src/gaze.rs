@@ -47,9 +47,9 @@ pub enum GazePhase {
     Pursuit,
     /// Tracked, and too fast to see fine detail.
     Saccade,
-    /// Just landed, or just found again.
+    /// Just landed, just found again, or just lost.
     PostSaccade,
-    /// Not seen, for less than [`GazeSettings::hold_ms`]: most likely a blink. The last directions are held.
+    /// Not seen, for 50 ms or longer, and for less than [`GazeSettings::hold_ms`]: most likely a blink. The last directions are held.
     Blink,
     /// Not seen for longer, or never.
     Lost,

@@ -125,7 +125,7 @@ fn changes_go_unnoticed_until_60_ms_after_the_landing_and_not_after_its_arrival(
 #[test]
 fn nothing_goes_unnoticed_after_a_blink_and_for_a_sample_alone() {
     let (mut tracker, now) = followed(vec![7.0; 100], 10);
-    tracker.push(&missing(now + 10 * MS));
+    (1..20).for_each(|step| tracker.push(&missing(now + step * 10 * MS)));
     tracker.push(&sample(-20.0, now + 200 * MS));
     let found = tracker.state(now + 200 * MS);
     assert!(found.phase == GazePhase::PostSaccade && !found.is_suppressed && !found.may_coarsen());
@@ -155,9 +155,10 @@ fn one_outlier_is_no_saccade() {
 #[test]
 fn a_blink_is_held_and_a_loss_ramps() {
     let (mut tracker, now) = followed(vec![7.0; 100], 10);
-    tracker.push(&missing(now + 10 * MS));
+    (1..4).for_each(|step| tracker.push(&missing(now + step * 10 * MS)));
     for (later_ms, phase, trust) in [
-        (10, GazePhase::Blink, 1.0),
+        (30, GazePhase::PostSaccade, 1.0),
+        (50, GazePhase::Blink, 1.0),
         (500, GazePhase::Blink, 1.0),
         (501, GazePhase::Lost, 0.995),
         (600, GazePhase::Lost, 0.5),

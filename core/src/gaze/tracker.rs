@@ -24,6 +24,15 @@ const SILENT_NS: i64 = 50_000_000;
 /// The same of a slower tracker, in times between its samples.
 const SILENT_INTERVALS: f32 = 2.5;
 
+/// Longest time without a usable sample that counts as a lost sample: after a longer one, the eyes may be elsewhere.
+const INTERRUPTION_NS: i64 = 30_000_000;
+
+/// The same of a slower tracker, in times between its samples.
+const INTERRUPTION_INTERVALS: f32 = 1.5;
+
+/// Shortest blink: they take 100 ms and more, and trackers lose the eyes only while the lids cover the pupils.
+const BLINK_NS: i64 = 50_000_000;
+
 /// Greatest age of a sample of unknown time beyond [`GazeSettings::latency_ms`], nanoseconds: 81 ms in the slowest of three
 /// headsets (Stein et al. 2021), beside 50.
 const UNKNOWN_AGE_NS: i64 = 31_000_000;
@@ -64,7 +73,7 @@ struct Seen {
     settled_ns: i64,
     /// Trust when the newest came.
     trust: f32,
-    /// Whether an unusable sample came since.
+    /// Whether an unusable sample came since, long after it.
     interrupted: bool,
     /// Whether the source gives the times of its samples.
     is_dated: bool,
@@ -202,7 +211,8 @@ impl GazeTracker {
             Some(Rejection::TooFast | Rejection::OutOfOrder) => {}
             Some(_) => {
                 if let Some(seen) = &mut self.seen {
-                    seen.interrupted = true;
+                    let age_ns = distance_ns(now_ns, seen.arrived_ns);
+                    seen.interrupted |= age_ns >= interruption_ns(&seen.motion);
                 }
             }
         }
@@ -290,10 +300,10 @@ impl GazeTracker {
         if self.ended || age > nanoseconds(self.settings.hold_ms) {
             return GazePhase::Lost;
         }
-        if seen.interrupted || age > silent_ns(&seen.motion) {
+        if seen.interrupted && age >= BLINK_NS || age > silent_ns(&seen.motion) {
             return GazePhase::Blink;
         }
-        if seen.motion.in_doubt().is_some() {
+        if seen.interrupted || seen.motion.in_doubt().is_some() {
             return GazePhase::PostSaccade;
         }
         match seen.motion.movement() {
@@ -311,6 +321,7 @@ impl GazeTracker {
         let window_ns = nanoseconds(self.settings.post_saccade_ms);
         let age_ns = if seen.is_dated { 0 } else { UNKNOWN_AGE_NS };
         matches!(phase, GazePhase::Saccade | GazePhase::PostSaccade)
+            && !seen.interrupted
             && seen.motion.in_doubt().is_none()
             && seen
                 .motion
@@ -338,8 +349,17 @@ fn turned(directions: [Vec3; 2], by: Option<Quat>) -> [Vec3; 2] {
 
 /// Time without a sample after which the eyes count as unseen.
 fn silent_ns(motion: &Motion) -> i64 {
-    let intervals = (f64::from(SILENT_INTERVALS * motion.interval_s()) * 1e9) as i64;
-    intervals.clamp(SILENT_NS, LONGEST_NS)
+    intervals_ns(motion, SILENT_INTERVALS).clamp(SILENT_NS, LONGEST_NS)
+}
+
+/// Time without a usable sample, in spite of answers, after which the eyes may be elsewhere.
+fn interruption_ns(motion: &Motion) -> i64 {
+    intervals_ns(motion, INTERRUPTION_INTERVALS).clamp(INTERRUPTION_NS, LONGEST_NS)
+}
+
+/// A number of times between samples of the tracker.
+fn intervals_ns(motion: &Motion, count: f32) -> i64 {
+    (f64::from(count * motion.interval_s()) * 1e9) as i64
 }
 
 /// Distance between two times, in any order.

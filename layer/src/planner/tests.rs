@@ -192,6 +192,18 @@ fn a_gaze_that_rests_comes_to_one_map() {
     assert_eq!(session.serial, serial + 1, "until it moves");
 }
 
+/// A tracker whose exposures are not all usable.
+#[test]
+fn rates_become_coarse_although_samples_are_lost_one_at_a_time() {
+    let [mut losing, mut whole] = [(); 2].map(|()| Session::new(Config::default()));
+    for frame in 0..180 {
+        losing.frame(if frame % 5 == 4 { Look::Unseen } else { yaw(10.0) });
+        whole.frame(yaw(10.0));
+    }
+    assert!(whole.full(0) < 0.5, "{}", whole.full(0));
+    assert!(losing.full(0) < whole.full(0) + 0.02, "{} {}", losing.full(0), whole.full(0));
+}
+
 #[test]
 fn a_gaze_that_moves_within_a_frame_is_refined_at_once() {
     let mut session = Session::new(Config::default());

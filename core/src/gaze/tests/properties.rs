@@ -86,7 +86,7 @@ proptest! {
         let [mut once, mut twice] = [GazeTracker::new(GazeSettings::default()), GazeTracker::new(GazeSettings::default())];
         let (mut yaw_deg, mut time) = (0.0, 1000 * MS);
         for (turn_deg, step_ms, jumps) in steps {
-            yaw_deg += if jumps { 5.0 * turn_deg } else { 0.1 * turn_deg };
+            yaw_deg = (yaw_deg + if jumps { 5.0 * turn_deg } else { 0.1 * turn_deg }).clamp(-60.0, 60.0);
             time += step_ms * MS;
             once.push_at(&sample(yaw_deg, time), time + 50 * MS);
             twice.push_at(&sample(yaw_deg, time), time + 50 * MS);

@@ -122,7 +122,7 @@ fn a_gaze_out_of_the_back_of_the_head_is_rejected() {
     let (mut tracker, time) = late(4.0, 10);
     let behind = GazeSample { directions: [yaw(176.0); 2], ..sample(0.0, time + 10 * MS) };
     tracker.push_at(&behind, time + 10 * MS + LATENCY);
-    let state = tracker.state(time + 10 * MS + LATENCY);
+    let state = tracker.state(time + 60 * MS + LATENCY);
     assert_eq!((state.phase, state.trust), (GazePhase::Blink, 1.0));
     assert!(eccentricity(state.directions[0], yaw(4.0)).to_degrees() < 0.01, "the last one is held");
 }
@@ -274,9 +274,54 @@ fn a_held_gaze_keeps_its_direction_from_the_head() {
         let now = time + LATENCY + frame * 10 * MS;
         tracker.head_turned(Quat::from_rotation_y((3.0 * frame as f32).to_radians()), now);
         tracker.push_at(&missing(now - LATENCY), now);
-        let direction = tracker.state(now).directions[0];
-        assert!(eccentricity(direction, yaw(20.0)).to_degrees() < 0.01, "after {frame} frames: {direction}");
+        let state = tracker.state(now);
+        assert_eq!(state.phase == GazePhase::Blink, frame >= 5, "after {frame} frames");
+        // Before that they are taken to rest on the world, in which the head is known from the first frame on.
+        let held_deg = if frame < 5 { 20.0 + 3.0 * (frame - 1) as f32 } else { 20.0 };
+        let direction = state.directions[0];
+        assert!(
+            eccentricity(direction, yaw(held_deg)).to_degrees() < 0.01,
+            "after {frame} frames: {direction}"
+        );
     }
+}
+
+/// A tracker whose exposures are not all usable.
+#[test]
+fn samples_that_are_lost_one_at_a_time_are_no_blinks() {
+    // At rest at 60, 90 and 120 Hz, and following at 20 deg/s.
+    for (step_ms, deg_s, phase) in [16, 11, 8]
+        .into_iter()
+        .flat_map(|ms| [(ms, 0.0, GazePhase::Fixation), (ms, 20.0, GazePhase::Pursuit)])
+    {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        for number in 0..150i64 {
+            let time = 1000 * MS + number * step_ms * MS;
+            let seen = sample(deg_s * (number * step_ms) as f32 * 1e-3 - 15.0, time);
+            tracker.push_at(&GazeSample { valid: number % 5 != 4, ..seen }, time + LATENCY);
+            assert_eq!(tracker.rejection(), (number % 5 == 4).then_some(Rejection::NotTracked));
+            if number > 60 {
+                let state = tracker.state(time + LATENCY);
+                assert_eq!((state.phase, state.trust), (phase, 1.0), "each {step_ms} ms, sample {number}");
+            }
+        }
+    }
+}
+
+#[test]
+fn eyes_that_are_gone_for_30_ms_may_be_elsewhere() {
+    let (mut tracker, time) = late(4.0, 8);
+    let mut phases = Vec::new();
+    for number in 1..=7 {
+        tracker.push_at(&missing(time + number * 8 * MS), time + number * 8 * MS + LATENCY);
+        phases.push(tracker.state(time + number * 8 * MS + LATENCY).phase);
+    }
+    assert_eq!(phases[..3], [GazePhase::Fixation; 3]);
+    assert_eq!(phases[3..6], [GazePhase::PostSaccade; 3]);
+    assert_eq!(phases[6], GazePhase::Blink);
+    let found = time + 64 * MS;
+    tracker.push_at(&sample(4.0, found), found + LATENCY);
+    assert_eq!(tracker.state(found + LATENCY).phase, GazePhase::PostSaccade);
 }
 
 #[test]

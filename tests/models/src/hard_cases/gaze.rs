@@ -104,7 +104,7 @@ fn losses() -> Vec<Case> {
     let missing = |time_ns| GazeSample { valid: false, ..sample(Vec3::NEG_Z, time_ns) };
     let blinking = |ms: i64| {
         let mut tracker = fixating(0);
-        tracker.push(&missing(10 * MS));
+        tracker.push(&missing(40 * MS));
         told(tracker.state(ms * MS))
     };
     let mut never = GazeTracker::new(GazeSettings::default());
@@ -127,7 +127,7 @@ fn directions() -> Vec<Case> {
     let after = |directions: [Vec3; 2]| {
         let mut tracker = fixating(0);
         tracker.push(&GazeSample { directions, time_ns: 10 * MS, valid: true });
-        told(tracker.state(10 * MS))
+        told(tracker.state(60 * MS))
     };
     let held = [
         ("both directions zero", [Vec3::ZERO; 2]),
