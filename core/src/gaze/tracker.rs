@@ -11,12 +11,14 @@ mod head;
 mod line_fit;
 mod motion;
 mod saccade;
+mod sample_times;
 
 use freeze_detector::FreezeDetector;
 pub use freeze_detector::is_unchanged;
 use head::Head;
 use line_fit::EyeSample;
 use motion::{EyeMovement, Motion};
+use sample_times::SampleTimes;
 
 /// Without a sample for longer than this, the eyes are taken as not seen: three frames of a 60 Hz tracker.
 const SILENT_NS: i64 = 50_000_000;
@@ -54,6 +56,7 @@ pub struct GazeTracker {
     ended: bool,
     rejection: Option<Rejection>,
     freeze: FreezeDetector,
+    times: SampleTimes,
     head: Head,
     views: Option<Views>,
 }
@@ -109,6 +112,7 @@ impl GazeTracker {
             ended: false,
             rejection: None,
             freeze: FreezeDetector::default(),
+            times: SampleTimes::default(),
             head: Head::default(),
             views: None,
         }
@@ -120,15 +124,21 @@ impl GazeTracker {
     }
 
     /// Takes one sample that was the newest when the source was asked about `now_ns` (in a frame, the time when it is shown,
-    /// which [`Self::state`] is asked about too). A time of 0 or less is not known, as in `XrEyeGazeSampleTimeEXT`: the sample
+    /// which [`Self::state`] is asked about too). A time of 0 or less is not known, as in `XrEyeGazeSampleTimeEXT`, and
+    /// one that is 20 ms or more ahead of `now_ns`, or 300 ms behind, cannot be true, nor can others within a second of it: the sample
     /// is taken to be as old as [`GazeSettings::latency_ms`], and to be the one before if within 0.005 degrees of it. One
     /// without `valid` or without a plausible direction is a missing gaze, see [`Self::rejection`].
     pub fn push_at(&mut self, sample: &GazeSample, now_ns: i64) {
-        if sample.time_ns > 0 {
+        let is_dated = sample.time_ns > 0;
+        let is_old = is_dated && sample.valid && !self.times.take(sample.time_ns, now_ns);
+        if is_dated && self.times.are_believed() {
             return self.take(sample, now_ns, true);
         }
         let time_ns = now_ns.saturating_sub(nanoseconds(self.settings.latency_ms));
         let repeated = sample.valid && self.freeze.is_same(sample.directions);
+        if repeated && is_old {
+            return;
+        }
         match &mut self.seen {
             // The same as in the last frame: the source is slower than the display. Before that would be silence, it is a
             // gaze that rests.

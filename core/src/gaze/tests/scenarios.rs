@@ -240,6 +240,45 @@ fn eyes_that_turn_against_the_head_rest() {
     assert!(jumps + turns > 10 && behind_deg > 10.0, "without being told, they do not: {courses:?}");
 }
 
+/// Times of another clock, or of a later frame.
+#[test]
+fn times_that_cannot_be_true_are_not_read() {
+    for (ahead_ms, head_deg_s) in [(1000, 0.0), (70, 0.0), (-10_000, 30.0)] {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let mut saccades = 0;
+        let head = |time: i64| {
+            let seconds = (time - 21_400 * MS) as f32 * 1e-9;
+            Quat::from_rotation_y((head_deg_s * seconds).to_radians())
+        };
+        for frame in 0..250i64 {
+            let now = 20_000 * MS + frame * 11 * MS;
+            let taken = now - LATENCY;
+            tracker.head_turned(head(now), now);
+            // A saccade in the middle, by eyes that rest on the world before and after.
+            let gaze = yaw(15.0 * way((taken - 21_500 * MS) as f32 * 1e-6 / 54.0));
+            let directions = [head(taken).inverse() * gaze; 2];
+            tracker.push_at(&GazeSample { directions, ..sample(0.0, taken + ahead_ms * MS) }, now);
+            let state = tracker.state(now);
+            saccades += u32::from(state.phase == GazePhase::Saccade);
+            if taken > 22_600 * MS {
+                let told = (state.phase, state.is_suppressed, state.trust);
+                assert_eq!(told, (GazePhase::Fixation, false, 1.0), "{ahead_ms} ms ahead, frame {frame}");
+            }
+        }
+        assert!(saccades > 0, "{ahead_ms} ms ahead");
+    }
+}
+
+/// A tracker that has stopped before the session began.
+#[test]
+fn an_old_sample_that_stays_is_no_gaze() {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    for frame in 0..90 {
+        tracker.push_at(&sample(4.0, 1000 * MS), 5000 * MS + frame * 11 * MS);
+    }
+    assert_eq!(tracker.state(5990 * MS).phase, GazePhase::Lost);
+}
+
 #[test]
 fn a_gaze_that_turns_with_the_head_is_where_it_was_from_the_head() {
     // To 60 deg/s in 0.2 s.
