@@ -34,6 +34,8 @@ pub struct GazeSample {
     pub directions: [Vec3; 2],
     /// Time at which the eyes looked there, nanoseconds on any one clock (XrTime).
     pub time_ns: i64,
+    /// Possible error of that time, nanoseconds; 0: exact.
+    pub uncertainty_ns: i64,
     /// Whether the tracker stands by it. When false, the directions are not read.
     pub valid: bool,
 }
@@ -73,7 +75,7 @@ pub struct GazeState {
     /// Phase of the gaze.
     pub phase: GazePhase,
     /// Whether changes of the picture go unnoticed ([`GazeSettings::post_saccade_ms`]): from the second sample of a saccade
-    /// on, for that time beyond its landing, by the timestamps of the samples, not of their arrival.
+    /// on, for that time beyond its landing, by the timestamps of the samples, not of their arrival, less their uncertainty.
     pub is_suppressed: bool,
     /// Reliability of the directions: 1 tracked .. 0 lost. It ramps, so that values derived from it never jump.
     pub trust: f32,

@@ -35,7 +35,7 @@ const INTERRUPTION_INTERVALS: f32 = 1.5;
 /// Shortest blink: they take 100 ms and more, and trackers lose the eyes only while the lids cover the pupils.
 const BLINK_NS: i64 = 50_000_000;
 
-/// Greatest age of a sample of unknown time beyond [`GazeSettings::latency_ms`], nanoseconds: 81 ms in the slowest of three
+/// Uncertainty of a time that is not known: the greatest age beyond [`GazeSettings::latency_ms`], nanoseconds, 81 ms in the slowest of three
 /// headsets (Stein et al. 2021), beside 50.
 const UNKNOWN_AGE_NS: i64 = 31_000_000;
 
@@ -78,8 +78,8 @@ struct Seen {
     trust: f32,
     /// Whether an unusable sample came since, long after it.
     interrupted: bool,
-    /// Whether the source gives the times of its samples.
-    is_dated: bool,
+    /// Possible error of the time of the newest sample.
+    uncertainty_ns: i64,
 }
 
 /// A plausible sample.
@@ -120,7 +120,7 @@ impl GazeTracker {
 
     /// Takes one sample at its own time: [`Self::push_at`] for a source without latency.
     pub fn push(&mut self, sample: &GazeSample) {
-        self.take(sample, sample.time_ns, true);
+        self.take(sample, sample.time_ns);
     }
 
     /// Takes one sample that was the newest when the source was asked about `now_ns` (in a frame, the time when it is shown,
@@ -132,7 +132,7 @@ impl GazeTracker {
         let is_dated = sample.time_ns > 0;
         let is_old = is_dated && sample.valid && !self.times.take(sample.time_ns, now_ns);
         if is_dated && self.times.are_believed() {
-            return self.take(sample, now_ns, true);
+            return self.take(sample, now_ns);
         }
         let time_ns = now_ns.saturating_sub(nanoseconds(self.settings.latency_ms));
         let repeated = sample.valid && self.freeze.is_same(sample.directions);
@@ -145,7 +145,10 @@ impl GazeTracker {
             Some(seen) if repeated && self.rejection.is_none() && seen.is_fresh(time_ns) => {
                 seen.arrived_ns = now_ns;
             }
-            _ => self.take(&GazeSample { time_ns, ..*sample }, now_ns, false),
+            _ => {
+                let uncertainty_ns = sample.uncertainty_ns.max(UNKNOWN_AGE_NS);
+                self.take(&GazeSample { time_ns, uncertainty_ns, ..*sample }, now_ns);
+            }
         }
     }
 
@@ -211,9 +214,10 @@ impl GazeTracker {
         }
     }
 
-    fn take(&mut self, sample: &GazeSample, now_ns: i64, is_dated: bool) {
+    fn take(&mut self, sample: &GazeSample, now_ns: i64) {
         let checked = self.check(sample, now_ns);
-        self.rejection = checked.and_then(|sighting| self.follow(sighting, now_ns, is_dated)).err();
+        self.rejection =
+            checked.and_then(|sighting| self.follow(sighting, now_ns, sample.uncertainty_ns.max(0))).err();
         match self.rejection {
             None => self.ended = false,
             Some(Rejection::Frozen) => self.source_ended(now_ns),
@@ -248,7 +252,7 @@ impl GazeTracker {
     }
 
     /// The state after a plausible sample.
-    fn follow(&mut self, sighting: Sighting, now_ns: i64, is_dated: bool) -> Result<(), Rejection> {
+    fn follow(&mut self, sighting: Sighting, now_ns: i64, uncertainty_ns: i64) -> Result<(), Rejection> {
         let Sighting { in_world: sample, from_head } = sighting;
         let trust = self.trust_at(now_ns);
         let head = self.head.at(sample.time_ns);
@@ -260,11 +264,11 @@ impl GazeTracker {
             settled_ns: now_ns,
             trust,
             interrupted: false,
-            is_dated,
+            uncertainty_ns,
         };
         let (settings, head_deg_s) = (&self.settings, self.head.deg_s());
         if let Some(seen) = &mut self.seen {
-            seen.is_dated = is_dated;
+            seen.uncertainty_ns = uncertainty_ns;
         }
         match &mut self.seen {
             None => self.seen = Some(found([sample, from_head].map(Motion::new), trust)),
@@ -329,14 +333,12 @@ impl GazeTracker {
     /// Whether changes in a picture that is shown now go unnoticed.
     fn is_suppressed(&self, seen: &Seen, phase: GazePhase, now: i64) -> bool {
         let window_ns = nanoseconds(self.settings.post_saccade_ms);
-        let age_ns = if seen.is_dated { 0 } else { UNKNOWN_AGE_NS };
         matches!(phase, GazePhase::Saccade | GazePhase::PostSaccade)
             && !seen.interrupted
             && seen.motion.in_doubt().is_none()
-            && seen
-                .motion
-                .landing_ns()
-                .is_some_and(|landing| now.saturating_sub(landing) < window_ns - age_ns)
+            && seen.motion.landing_ns().is_some_and(|landing| {
+                now.saturating_sub(landing) < window_ns.saturating_sub(seen.uncertainty_ns)
+            })
     }
 
     /// As it was with the newest usable sample until the hold is over, then falling.

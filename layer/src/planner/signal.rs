@@ -50,7 +50,7 @@ impl Signal {
         }
         self.window.frames += 1;
         match *look {
-            Look::At { direction, sampled_ns } => {
+            Look::At { direction, sampled_ns, .. } => {
                 let sampled_ns = if sampled_ns > 0 { sampled_ns } else { time_ns };
                 self.window.valid += 1;
                 self.seen(direction, sampled_ns, phase);
@@ -115,7 +115,7 @@ mod tests {
     }
 
     fn at(left: f32, sampled_ns: i64) -> Look {
-        Look::At { direction: direction([left, 0.0]), sampled_ns }
+        Look::At { direction: direction([left, 0.0]), sampled_ns, uncertainty_ns: 0 }
     }
 
     #[test]

@@ -35,11 +35,12 @@ proptest! {
                 }
                 5 | 6 => {
                     let time_ns = if kind == 5 { 0 } else { time.saturating_sub(50 * MS) };
-                    tracker.push_at(&GazeSample { directions: [direction; 2], time_ns, valid: true }, time);
+                    tracker.push_at(&GazeSample { directions: [direction; 2], uncertainty_ns: step, ..sample(0.0, time_ns) }, time);
                 }
                 kind => tracker.push(&GazeSample {
                     directions: [direction, if kind == 1 { Vec3::NAN } else { direction }],
                     time_ns: time,
+                    uncertainty_ns: 0,
                     valid: kind != 2,
                 }),
             }
@@ -106,7 +107,7 @@ proptest! {
         let off_deg = eccentricity(wrong, yaw(2.0)).to_degrees();
         prop_assume!(off_deg > step_ms as f32 * 1.1);
         let step = step_ms * MS;
-        tracker.push(&GazeSample { directions: [wrong; 2], time_ns: now + step, valid: true });
+        tracker.push(&GazeSample { directions: [wrong; 2], ..sample(0.0, now + step) });
         prop_assert_eq!(tracker.rejection(), Some(Rejection::TooFast));
         prop_assert!(!tracker.state(now + step).may_coarsen());
         tracker.push(&sample(2.0, now + 2 * step));

@@ -113,7 +113,7 @@ fn a_gaze_out_of_the_back_of_the_head_is_rejected() {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     for frame in 1..100 {
         tracker.push_at(
-            &GazeSample { directions: [Vec3::Z; 2], time_ns: frame * 11 * MS, valid: true },
+            &GazeSample { directions: [Vec3::Z; 2], ..sample(0.0, frame * 11 * MS) },
             frame * 11 * MS,
         );
         assert_eq!(tracker.rejection(), Some(Rejection::Behind));

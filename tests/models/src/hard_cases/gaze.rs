@@ -24,7 +24,7 @@ fn yaw(yaw_rad: f32) -> Vec3 {
 }
 
 fn sample(direction: Vec3, time_ns: i64) -> GazeSample {
-    GazeSample { directions: [direction; 2], time_ns, valid: true }
+    GazeSample { directions: [direction; 2], time_ns, uncertainty_ns: 0, valid: true }
 }
 
 /// A tracker after a second of fixation at the centre of the view, a sample each 10 ms, the last of them at `end`.
@@ -126,7 +126,7 @@ fn losses() -> Vec<Case> {
 fn directions() -> Vec<Case> {
     let after = |directions: [Vec3; 2]| {
         let mut tracker = fixating(0);
-        tracker.push(&GazeSample { directions, time_ns: 10 * MS, valid: true });
+        tracker.push(&GazeSample { directions, ..sample(Vec3::NEG_Z, 10 * MS) });
         told(tracker.state(60 * MS))
     };
     let held = [
