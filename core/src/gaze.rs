@@ -72,6 +72,9 @@ pub struct GazeState {
     pub velocity_deg_s: f32,
     /// Uncertainty of `directions` that are a prediction, degrees: of a saccade's landing, or of a pursuit's extrapolation.
     pub prediction_error_deg: Option<f32>,
+    /// Possible error of `directions` while the head turns, by the uncertain time of the newest sample
+    /// ([`GazeSample::uncertainty_ns`]), degrees.
+    pub timing_error_deg: f32,
     /// Phase of the gaze.
     pub phase: GazePhase,
     /// Whether changes of the picture go unnoticed ([`GazeSettings::post_saccade_ms`]): from the second sample of a saccade
@@ -88,6 +91,7 @@ impl GazeState {
         ray: None,
         velocity_deg_s: 0.0,
         prediction_error_deg: None,
+        timing_error_deg: 0.0,
         phase: GazePhase::Lost,
         is_suppressed: false,
         trust: 0.0,
@@ -109,13 +113,15 @@ impl GazeState {
     }
 
     /// Uncertainty of [`Self::directions`] from motion of the eyes, degrees: velocity * latency, where `latency_s` is the time from
-    /// the eye to the image. For directions that are a prediction, at most the error of the prediction.
+    /// the eye to the image. For directions that are a prediction, at most the error of the prediction. [`Self::timing_error_deg`]
+    /// comes to it.
     pub fn motion_deg(&self, latency_s: f32) -> f32 {
         let moved = self.velocity_deg_s * latency_s;
-        match self.prediction_error_deg {
+        let of_eyes = match self.prediction_error_deg {
             Some(error) if error < moved => error.max(0.0),
             _ => moved,
-        }
+        };
+        of_eyes + self.timing_error_deg.max(0.0)
     }
 
     /// The same with a direction for each eye, where there is one ray for both: [`eye_directions`] has the parameters.

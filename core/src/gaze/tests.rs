@@ -272,6 +272,7 @@ fn motion_is_speed_times_latency_or_the_error_of_the_landing() {
         0.0,
         "an image of this moment"
     );
+    assert_eq!(GazeState { timing_error_deg: 2.0, ..moving }.motion_deg(0.06), 20.0);
 }
 
 #[test]

@@ -202,12 +202,15 @@ impl GazeTracker {
         let doubted = seen.motion.in_doubt().filter(|_| visible);
         // A held gaze stays at its direction from the head, within the reach of the eyes.
         let head = if visible { self.head.at(now_ns) } else { seen.head };
+        let timing_s = (seen.uncertainty_ns as f64 * 1e-9) as f32;
+        let timing_error_deg = if visible && !looks_along { self.head.deg_s() * timing_s } else { 0.0 };
         let head = head.filter(|_| !looks_along);
         GazeState {
             directions: turned(doubted.unwrap_or(directions), head.map(|head| head.inverse())),
             ray: None,
             velocity_deg_s: if visible { motion.speed_deg_s() } else { 0.0 },
             prediction_error_deg: prediction_error_deg.filter(|_| visible),
+            timing_error_deg,
             phase,
             is_suppressed: self.is_suppressed(seen, phase, now_ns),
             trust: self.trust_at(now_ns),

@@ -280,6 +280,33 @@ fn an_old_sample_that_stays_is_no_gaze() {
 }
 
 #[test]
+fn the_error_of_a_sample_of_unknown_age_is_within_the_widened_area() {
+    // Eyes that rest on the world, from a tracker that is 80 ms late.
+    let start = 2500 * MS;
+    for head_deg_s in [0.0, 120.0f32] {
+        let head_deg = |time: i64| head_deg_s * ((time - start).max(0) as f64 * 1e-9) as f32;
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let mut farthest_deg = 0.0f32;
+        for frame in 0..190 {
+            let now = 1000 * MS + frame * 11 * MS;
+            tracker.head_turned(Quat::from_rotation_y(head_deg(now).to_radians()), now);
+            let jitter_deg = 1e-2 * (frame % 7) as f32;
+            tracker.push_at(&sample(jitter_deg - 35.0 + head_deg(now - 80 * MS), 0), now);
+            let state = tracker.state(now);
+            let off_deg = eccentricity(state.directions[0], yaw(head_deg(now) - 35.0)).to_degrees();
+            let motion_deg = state.motion_deg(0.05);
+            assert!(head_deg_s > 0.0 || state.timing_error_deg == 0.0, "a head at rest pays nothing");
+            // Before that the turn of the head shows, and that of the eyes does not yet.
+            if now > start + 200 * MS {
+                assert!(off_deg < motion_deg + 0.1, "frame {frame}: {off_deg} off, {motion_deg} admitted");
+                farthest_deg = farthest_deg.max(off_deg);
+            }
+        }
+        assert!(head_deg_s == 0.0 || farthest_deg > 3.0, "{farthest_deg}");
+    }
+}
+
+#[test]
 fn a_gaze_that_turns_with_the_head_is_where_it_was_from_the_head() {
     // To 60 deg/s in 0.2 s.
     let head_deg = |time_ns: i64| {
