@@ -20,7 +20,7 @@ pub use polynomial::{GazePolynomial, PolynomialOrder};
 pub use recentre::{GazeOffset, MAX_OFFSET_DEG, RecentreFailure, Recentring};
 pub use rejection::Rejection;
 pub use settings::GazeSettings;
-pub use tracker::GazeTracker;
+pub use tracker::{GazeTracker, is_unchanged};
 pub use vergence::{NEAREST_ASSUMED_M, eye_directions};
 
 use crate::geometry::{eccentricity, rotation};
@@ -34,6 +34,8 @@ pub struct GazeSample {
     pub directions: [Vec3; 2],
     /// Time at which the eyes looked there, nanoseconds on any one clock (XrTime).
     pub time_ns: i64,
+    /// Possible error of that time, nanoseconds; 0: exact.
+    pub uncertainty_ns: i64,
     /// Whether the tracker stands by it. When false, the directions are not read.
     pub valid: bool,
 }
@@ -47,9 +49,9 @@ pub enum GazePhase {
     Pursuit,
     /// Tracked, and too fast to see fine detail.
     Saccade,
-    /// Just landed, or just found again.
+    /// Just landed, just found again, or just lost.
     PostSaccade,
-    /// Not seen, for less than [`GazeSettings::hold_ms`]: most likely a blink. The last directions are held.
+    /// Not seen, for 50 ms or longer, and for less than [`GazeSettings::hold_ms`]: most likely a blink. The last directions are held.
     Blink,
     /// Not seen for longer, or never.
     Lost,
@@ -70,10 +72,13 @@ pub struct GazeState {
     pub velocity_deg_s: f32,
     /// Uncertainty of `directions` that are a prediction, degrees: of a saccade's landing, or of a pursuit's extrapolation.
     pub prediction_error_deg: Option<f32>,
+    /// Possible error of `directions` while the head turns, by the uncertain time of the newest sample
+    /// ([`GazeSample::uncertainty_ns`]), degrees.
+    pub timing_error_deg: f32,
     /// Phase of the gaze.
     pub phase: GazePhase,
     /// Whether changes of the picture go unnoticed ([`GazeSettings::post_saccade_ms`]): from the second sample of a saccade
-    /// on, for that time beyond its landing, by the timestamps of the samples, not of their arrival.
+    /// on, for that time beyond its landing, by the timestamps of the samples, not of their arrival, less their uncertainty.
     pub is_suppressed: bool,
     /// Reliability of the directions: 1 tracked .. 0 lost. It ramps, so that values derived from it never jump.
     pub trust: f32,
@@ -86,6 +91,7 @@ impl GazeState {
         ray: None,
         velocity_deg_s: 0.0,
         prediction_error_deg: None,
+        timing_error_deg: 0.0,
         phase: GazePhase::Lost,
         is_suppressed: false,
         trust: 0.0,
@@ -107,13 +113,15 @@ impl GazeState {
     }
 
     /// Uncertainty of [`Self::directions`] from motion of the eyes, degrees: velocity * latency, where `latency_s` is the time from
-    /// the eye to the image. For directions that are a prediction, at most the error of the prediction.
+    /// the eye to the image. For directions that are a prediction, at most the error of the prediction. [`Self::timing_error_deg`]
+    /// comes to it.
     pub fn motion_deg(&self, latency_s: f32) -> f32 {
         let moved = self.velocity_deg_s * latency_s;
-        match self.prediction_error_deg {
+        let of_eyes = match self.prediction_error_deg {
             Some(error) if error < moved => error.max(0.0),
             _ => moved,
-        }
+        };
+        of_eyes + self.timing_error_deg.max(0.0)
     }
 
     /// The same with a direction for each eye, where there is one ray for both: [`eye_directions`] has the parameters.

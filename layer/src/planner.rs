@@ -207,9 +207,11 @@ impl SessionPlanner {
                 self.gaze.source_ended(time_ns);
                 return None;
             }
-            Look::Unseen => GazeSample { directions: [Vec3::ZERO; 2], time_ns, valid: false },
-            Look::At { direction, sampled_ns } => {
-                GazeSample { directions: [direction; 2], time_ns: sampled_ns, valid: true }
+            Look::Unseen => {
+                GazeSample { directions: [Vec3::ZERO; 2], time_ns, uncertainty_ns: 0, valid: false }
+            }
+            Look::At { direction, sampled_ns, uncertainty_ns } => {
+                GazeSample { directions: [direction; 2], time_ns: sampled_ns, uncertainty_ns, valid: true }
             }
         };
         self.gaze.push_at(&sample, time_ns);

@@ -20,7 +20,7 @@ pub enum Rejection {
     /// It is farther from the one before than eyes turn in that time. Until the next sample the tiles there become finer,
     /// as the eyes may be there, and none coarser. A stream of these counts as a lost gaze, as none of them is believed.
     TooFast,
-    /// It is the same to the last bit for long although the head turns.
+    /// It stays the same for long although the head turns.
     Frozen,
     /// It is older than one that is known.
     OutOfOrder,

@@ -31,7 +31,7 @@ pub struct GazeSettings {
     pub reach_deg: f32,
     /// Largest angle of the gaze outside of the views, degrees: a tracker's error, and the reach of the widest fovea.
     pub outside_deg: f32,
-    /// Time after which a gaze that does not change in any bit is not believed, milliseconds, if the head has also
+    /// Time after which a gaze that does not change by 0.005 degrees is not believed, milliseconds, if the head has also
     /// turned by more than [`Self::frozen_head_deg`].
     pub frozen_ms: f32,
     /// Turn of the head in that time above which the gaze counts as frozen, degrees: eyes that see turn against it.

@@ -12,7 +12,7 @@ fn yaw(yaw_deg: f32) -> Vec3 {
 }
 
 fn sample(yaw_deg: f32, time_ns: i64) -> GazeSample {
-    GazeSample { directions: [yaw(yaw_deg); 2], time_ns, valid: true }
+    GazeSample { directions: [yaw(yaw_deg); 2], time_ns, uncertainty_ns: 0, valid: true }
 }
 
 fn missing(time_ns: i64) -> GazeSample {
@@ -88,8 +88,8 @@ fn a_saccade_is_followed_by_60_ms_of_care() {
 }
 
 /// Times at which changes are taken to go unnoticed, milliseconds after the start of a saccade of 15 degrees and 54 ms, which is known to 3
-/// ms. Its samples arrive `latency_ms` late, from a source with or without sample times.
-fn suppressed_ms(latency_ms: i64, is_dated: bool) -> Vec<i64> {
+/// ms. Its samples arrive `latency_ms` late; `dated_ms` is their age by the source, if it gives one, and that may be off by `uncertainty_ms`.
+fn suppressed_ms(latency_ms: i64, dated_ms: Option<i64>, uncertainty_ms: i64) -> Vec<i64> {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     let arrival = |index: i64| 1_000 * MS + index * 9 * MS;
     let mut suppressed = Vec::new();
@@ -97,8 +97,9 @@ fn suppressed_ms(latency_ms: i64, is_dated: bool) -> Vec<i64> {
         // Least jerk from sample 40 on.
         let s = ((index - 40).clamp(0, 6) as f32) / 6.0;
         let yaw_deg = 15.0 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-        let taken = arrival(index) - latency_ms * MS;
-        tracker.push_at(&sample(yaw_deg, if is_dated { taken } else { 0 }), arrival(index));
+        let time_ns = dated_ms.map_or(0, |dated_ms| arrival(index) - dated_ms * MS);
+        let uncertainty_ns = uncertainty_ms * MS;
+        tracker.push_at(&GazeSample { uncertainty_ns, ..sample(yaw_deg, time_ns) }, arrival(index));
         if tracker.state(arrival(index)).is_suppressed {
             suppressed.push((arrival(index) - (arrival(40) - latency_ms * MS)) / MS);
         }
@@ -109,23 +110,30 @@ fn suppressed_ms(latency_ms: i64, is_dated: bool) -> Vec<i64> {
 #[test]
 fn changes_go_unnoticed_until_60_ms_after_the_landing_and_not_after_its_arrival() {
     for latency_ms in [0, 30, 50, 80] {
-        let suppressed = suppressed_ms(latency_ms, true);
+        let suppressed = suppressed_ms(latency_ms, Some(latency_ms), 0);
         let latest = suppressed.iter().copied().max().unwrap_or(0);
         assert!(latest <= 54 + 60 + 3, "{latency_ms} ms late: {suppressed:?}");
         assert!(latest > 80, "{latency_ms} ms late: {suppressed:?}");
     }
-    assert_eq!(suppressed_ms(140, true), Vec::<i64>::new(), "too late");
+    assert_eq!(suppressed_ms(140, Some(140), 0), Vec::<i64>::new(), "too late");
     // An undated sample may be older than its estimated time.
     for latency_ms in [50, 81] {
-        let suppressed = suppressed_ms(latency_ms, false);
+        let suppressed = suppressed_ms(latency_ms, None, 0);
         assert!(suppressed.iter().all(|after| *after <= 54 + 60 + 3), "{latency_ms} ms late: {suppressed:?}");
     }
+    // And so may one whose time is an estimate.
+    for latency_ms in [50, 80, 110, 140] {
+        let suppressed = suppressed_ms(latency_ms, Some(50), 90);
+        assert!(suppressed.iter().all(|after| *after <= 54 + 60 + 3), "{latency_ms} ms late: {suppressed:?}");
+    }
+    let latest = suppressed_ms(50, Some(50), 10).into_iter().max().unwrap_or(0);
+    assert!((80..=54 + 50 + 3).contains(&latest), "{latest}");
 }
 
 #[test]
 fn nothing_goes_unnoticed_after_a_blink_and_for_a_sample_alone() {
     let (mut tracker, now) = followed(vec![7.0; 100], 10);
-    tracker.push(&missing(now + 10 * MS));
+    (1..20).for_each(|step| tracker.push(&missing(now + step * 10 * MS)));
     tracker.push(&sample(-20.0, now + 200 * MS));
     let found = tracker.state(now + 200 * MS);
     assert!(found.phase == GazePhase::PostSaccade && !found.is_suppressed && !found.may_coarsen());
@@ -155,9 +163,10 @@ fn one_outlier_is_no_saccade() {
 #[test]
 fn a_blink_is_held_and_a_loss_ramps() {
     let (mut tracker, now) = followed(vec![7.0; 100], 10);
-    tracker.push(&missing(now + 10 * MS));
+    (1..4).for_each(|step| tracker.push(&missing(now + step * 10 * MS)));
     for (later_ms, phase, trust) in [
-        (10, GazePhase::Blink, 1.0),
+        (30, GazePhase::PostSaccade, 1.0),
+        (50, GazePhase::Blink, 1.0),
         (500, GazePhase::Blink, 1.0),
         (501, GazePhase::Lost, 0.995),
         (600, GazePhase::Lost, 0.5),
@@ -200,7 +209,7 @@ fn an_ended_source_is_not_held() {
 fn one_eye_speaks_for_both() {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     for blind in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
-        tracker.push(&GazeSample { directions: [blind, yaw(5.0) * 1e30], time_ns: 0, valid: true });
+        tracker.push(&GazeSample { directions: [blind, yaw(5.0) * 1e30], ..sample(5.0, 0) });
         let state = tracker.state(0);
         for direction in state.directions {
             assert!((direction - yaw(5.0)).length() < 1e-6, "{state:?}");
@@ -263,6 +272,7 @@ fn motion_is_speed_times_latency_or_the_error_of_the_landing() {
         0.0,
         "an image of this moment"
     );
+    assert_eq!(GazeState { timing_error_deg: 2.0, ..moving }.motion_deg(0.06), 20.0);
 }
 
 #[test]

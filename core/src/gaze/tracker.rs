@@ -11,11 +11,14 @@ mod head;
 mod line_fit;
 mod motion;
 mod saccade;
+mod sample_times;
 
 use freeze_detector::FreezeDetector;
+pub use freeze_detector::is_unchanged;
 use head::Head;
 use line_fit::EyeSample;
 use motion::{EyeMovement, Motion};
+use sample_times::SampleTimes;
 
 /// Without a sample for longer than this, the eyes are taken as not seen: three frames of a 60 Hz tracker.
 const SILENT_NS: i64 = 50_000_000;
@@ -23,7 +26,16 @@ const SILENT_NS: i64 = 50_000_000;
 /// The same of a slower tracker, in times between its samples.
 const SILENT_INTERVALS: f32 = 2.5;
 
-/// Greatest age of a sample of unknown time beyond [`GazeSettings::latency_ms`], nanoseconds: 81 ms in the slowest of three
+/// Longest time without a usable sample that counts as a lost sample: after a longer one, the eyes may be elsewhere.
+const INTERRUPTION_NS: i64 = 30_000_000;
+
+/// The same of a slower tracker, in times between its samples.
+const INTERRUPTION_INTERVALS: f32 = 1.5;
+
+/// Shortest blink: they take 100 ms and more, and trackers lose the eyes only while the lids cover the pupils.
+const BLINK_NS: i64 = 50_000_000;
+
+/// Uncertainty of a time that is not known: the greatest age beyond [`GazeSettings::latency_ms`], nanoseconds, 81 ms in the slowest of three
 /// headsets (Stein et al. 2021), beside 50.
 const UNKNOWN_AGE_NS: i64 = 31_000_000;
 
@@ -44,6 +56,7 @@ pub struct GazeTracker {
     ended: bool,
     rejection: Option<Rejection>,
     freeze: FreezeDetector,
+    times: SampleTimes,
     head: Head,
     views: Option<Views>,
 }
@@ -63,10 +76,10 @@ struct Seen {
     settled_ns: i64,
     /// Trust when the newest came.
     trust: f32,
-    /// Whether an unusable sample came since.
+    /// Whether an unusable sample came since, long after it.
     interrupted: bool,
-    /// Whether the source gives the times of its samples.
-    is_dated: bool,
+    /// Possible error of the time of the newest sample.
+    uncertainty_ns: i64,
 }
 
 /// A plausible sample.
@@ -99,6 +112,7 @@ impl GazeTracker {
             ended: false,
             rejection: None,
             freeze: FreezeDetector::default(),
+            times: SampleTimes::default(),
             head: Head::default(),
             views: None,
         }
@@ -106,33 +120,42 @@ impl GazeTracker {
 
     /// Takes one sample at its own time: [`Self::push_at`] for a source without latency.
     pub fn push(&mut self, sample: &GazeSample) {
-        self.take(sample, sample.time_ns, true);
+        self.take(sample, sample.time_ns);
     }
 
     /// Takes one sample that was the newest when the source was asked about `now_ns` (in a frame, the time when it is shown,
-    /// which [`Self::state`] is asked about too). A time of 0 or less is not known, as in `XrEyeGazeSampleTimeEXT`: the sample
-    /// is taken to be as old as [`GazeSettings::latency_ms`], and to be the one before where it equals that in every bit. One
+    /// which [`Self::state`] is asked about too). A time of 0 or less is not known, as in `XrEyeGazeSampleTimeEXT`, and
+    /// one that is 20 ms or more ahead of `now_ns`, or 300 ms behind, cannot be true, nor can others within a second of it: the sample
+    /// is taken to be as old as [`GazeSettings::latency_ms`], and to be the one before if within 0.005 degrees of it. One
     /// without `valid` or without a plausible direction is a missing gaze, see [`Self::rejection`].
     pub fn push_at(&mut self, sample: &GazeSample, now_ns: i64) {
-        if sample.time_ns > 0 {
-            return self.take(sample, now_ns, true);
+        let is_dated = sample.time_ns > 0;
+        let is_old = is_dated && sample.valid && !self.times.take(sample.time_ns, now_ns);
+        if is_dated && self.times.are_believed() {
+            return self.take(sample, now_ns);
         }
         let time_ns = now_ns.saturating_sub(nanoseconds(self.settings.latency_ms));
         let repeated = sample.valid && self.freeze.is_same(sample.directions);
+        if repeated && is_old {
+            return;
+        }
         match &mut self.seen {
             // The same as in the last frame: the source is slower than the display. Before that would be silence, it is a
             // gaze that rests.
             Some(seen) if repeated && self.rejection.is_none() && seen.is_fresh(time_ns) => {
                 seen.arrived_ns = now_ns;
             }
-            _ => self.take(&GazeSample { time_ns, ..*sample }, now_ns, false),
+            _ => {
+                let uncertainty_ns = sample.uncertainty_ns.max(UNKNOWN_AGE_NS);
+                self.take(&GazeSample { time_ns, uncertainty_ns, ..*sample }, now_ns);
+            }
         }
     }
 
     /// Takes the orientation of the head (in any fixed space) at a time, on the clock of the samples: eyes turn against it, so that
     /// a gaze that rests in the world follows nothing, is where it was in the world when the frame is shown, and is in no saccade.
-    /// One that turns with the head follows nothing either, and is where it was from the head; but one that does not change in any
-    /// bit meanwhile is frozen. Without this call, the head counts as still.
+    /// One that turns with the head follows nothing either, and is where it was from the head; but one that does not change
+    /// meanwhile is frozen. Without this call, the head counts as still.
     pub fn head_turned(&mut self, head: Quat, time_ns: i64) {
         if let Some(head) = rotation(head) {
             let angle_deg = self.head.turned(head, time_ns);
@@ -179,21 +202,25 @@ impl GazeTracker {
         let doubted = seen.motion.in_doubt().filter(|_| visible);
         // A held gaze stays at its direction from the head, within the reach of the eyes.
         let head = if visible { self.head.at(now_ns) } else { seen.head };
+        let timing_s = (seen.uncertainty_ns as f64 * 1e-9) as f32;
+        let timing_error_deg = if visible && !looks_along { self.head.deg_s() * timing_s } else { 0.0 };
         let head = head.filter(|_| !looks_along);
         GazeState {
             directions: turned(doubted.unwrap_or(directions), head.map(|head| head.inverse())),
             ray: None,
             velocity_deg_s: if visible { motion.speed_deg_s() } else { 0.0 },
             prediction_error_deg: prediction_error_deg.filter(|_| visible),
+            timing_error_deg,
             phase,
             is_suppressed: self.is_suppressed(seen, phase, now_ns),
             trust: self.trust_at(now_ns),
         }
     }
 
-    fn take(&mut self, sample: &GazeSample, now_ns: i64, is_dated: bool) {
+    fn take(&mut self, sample: &GazeSample, now_ns: i64) {
         let checked = self.check(sample, now_ns);
-        self.rejection = checked.and_then(|sighting| self.follow(sighting, now_ns, is_dated)).err();
+        self.rejection =
+            checked.and_then(|sighting| self.follow(sighting, now_ns, sample.uncertainty_ns.max(0))).err();
         match self.rejection {
             None => self.ended = false,
             Some(Rejection::Frozen) => self.source_ended(now_ns),
@@ -201,7 +228,8 @@ impl GazeTracker {
             Some(Rejection::TooFast | Rejection::OutOfOrder) => {}
             Some(_) => {
                 if let Some(seen) = &mut self.seen {
-                    seen.interrupted = true;
+                    let age_ns = distance_ns(now_ns, seen.arrived_ns);
+                    seen.interrupted |= age_ns >= interruption_ns(&seen.motion);
                 }
             }
         }
@@ -227,7 +255,7 @@ impl GazeTracker {
     }
 
     /// The state after a plausible sample.
-    fn follow(&mut self, sighting: Sighting, now_ns: i64, is_dated: bool) -> Result<(), Rejection> {
+    fn follow(&mut self, sighting: Sighting, now_ns: i64, uncertainty_ns: i64) -> Result<(), Rejection> {
         let Sighting { in_world: sample, from_head } = sighting;
         let trust = self.trust_at(now_ns);
         let head = self.head.at(sample.time_ns);
@@ -239,11 +267,11 @@ impl GazeTracker {
             settled_ns: now_ns,
             trust,
             interrupted: false,
-            is_dated,
+            uncertainty_ns,
         };
         let (settings, head_deg_s) = (&self.settings, self.head.deg_s());
         if let Some(seen) = &mut self.seen {
-            seen.is_dated = is_dated;
+            seen.uncertainty_ns = uncertainty_ns;
         }
         match &mut self.seen {
             None => self.seen = Some(found([sample, from_head].map(Motion::new), trust)),
@@ -289,10 +317,10 @@ impl GazeTracker {
         if self.ended || age > nanoseconds(self.settings.hold_ms) {
             return GazePhase::Lost;
         }
-        if seen.interrupted || age > silent_ns(&seen.motion) {
+        if seen.interrupted && age >= BLINK_NS || age > silent_ns(&seen.motion) {
             return GazePhase::Blink;
         }
-        if seen.motion.in_doubt().is_some() {
+        if seen.interrupted || seen.motion.in_doubt().is_some() {
             return GazePhase::PostSaccade;
         }
         match seen.motion.movement() {
@@ -308,13 +336,12 @@ impl GazeTracker {
     /// Whether changes in a picture that is shown now go unnoticed.
     fn is_suppressed(&self, seen: &Seen, phase: GazePhase, now: i64) -> bool {
         let window_ns = nanoseconds(self.settings.post_saccade_ms);
-        let age_ns = if seen.is_dated { 0 } else { UNKNOWN_AGE_NS };
         matches!(phase, GazePhase::Saccade | GazePhase::PostSaccade)
+            && !seen.interrupted
             && seen.motion.in_doubt().is_none()
-            && seen
-                .motion
-                .landing_ns()
-                .is_some_and(|landing| now.saturating_sub(landing) < window_ns - age_ns)
+            && seen.motion.landing_ns().is_some_and(|landing| {
+                now.saturating_sub(landing) < window_ns.saturating_sub(seen.uncertainty_ns)
+            })
     }
 
     /// As it was with the newest usable sample until the hold is over, then falling.
@@ -337,8 +364,17 @@ fn turned(directions: [Vec3; 2], by: Option<Quat>) -> [Vec3; 2] {
 
 /// Time without a sample after which the eyes count as unseen.
 fn silent_ns(motion: &Motion) -> i64 {
-    let intervals = (f64::from(SILENT_INTERVALS * motion.interval_s()) * 1e9) as i64;
-    intervals.clamp(SILENT_NS, LONGEST_NS)
+    intervals_ns(motion, SILENT_INTERVALS).clamp(SILENT_NS, LONGEST_NS)
+}
+
+/// Time without a usable sample, in spite of answers, after which the eyes may be elsewhere.
+fn interruption_ns(motion: &Motion) -> i64 {
+    intervals_ns(motion, INTERRUPTION_INTERVALS).clamp(INTERRUPTION_NS, LONGEST_NS)
+}
+
+/// A number of times between samples of the tracker.
+fn intervals_ns(motion: &Motion, count: f32) -> i64 {
+    (f64::from(count * motion.interval_s()) * 1e9) as i64
 }
 
 /// Distance between two times, in any order.

@@ -41,9 +41,10 @@ pub fn degrees(direction: Vec3) -> [f32; 2] {
 /// A gaze farther to the left and upwards by so many degrees.
 pub fn turned(look: Look, [left, up]: [f32; 2]) -> Look {
     match look {
-        Look::At { direction: seen, sampled_ns } if [left, up] != [0.0; 2] => {
+        Look::At { direction: seen, sampled_ns, uncertainty_ns } if [left, up] != [0.0; 2] => {
             let [seen_left, seen_up] = degrees(seen);
-            Look::At { direction: direction([seen_left + left, seen_up + up]), sampled_ns }
+            let direction = direction([seen_left + left, seen_up + up]);
+            Look::At { direction, sampled_ns, uncertainty_ns }
         }
         other => other,
     }
@@ -60,8 +61,10 @@ mod tests {
 
     #[test]
     fn a_correction_turns_a_gaze_that_is_there_and_nothing_else() {
-        let at = |left_up| Look::At { direction: direction(left_up), sampled_ns: 7 };
-        let Look::At { direction: found, sampled_ns: 7 } = turned(at([10.0, -5.0]), [1.5, -0.5]) else {
+        let at = |left_up| Look::At { direction: direction(left_up), sampled_ns: 7, uncertainty_ns: 3 };
+        let Look::At { direction: found, sampled_ns: 7, uncertainty_ns: 3 } =
+            turned(at([10.0, -5.0]), [1.5, -0.5])
+        else {
             panic!("no gaze");
         };
         assert!(found.abs_diff_eq(direction([11.5, -5.5]), 1e-6), "{found}");
@@ -69,7 +72,7 @@ mod tests {
             assert_eq!(turned(look, [1.5, -0.5]), look);
         }
         // Without a correction, the tracker's answer stays unchanged.
-        let zero = Look::At { direction: Vec3::ZERO, sampled_ns: 7 };
+        let zero = Look::At { direction: Vec3::ZERO, sampled_ns: 7, uncertainty_ns: 3 };
         assert_eq!(turned(zero, [0.0; 2]), zero);
     }
 

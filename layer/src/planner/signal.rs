@@ -3,7 +3,7 @@
 use crate::inputs::gaze::Look;
 use crate::status::SignalQuality;
 use glam::Vec3;
-use parafovea_core::gaze::GazePhase;
+use parafovea_core::gaze::{GazePhase, is_unchanged};
 
 /// Period over which rate, validity and noise are measured, nanoseconds.
 const WINDOW_NS: i64 = 2_000_000_000;
@@ -17,8 +17,8 @@ const BLINK_NS: std::ops::RangeInclusive<i64> = 50_000_000..=500_000_000;
 pub(super) struct Signal {
     quality: SignalQuality,
     window: Window,
-    /// The newest sample and its time.
-    newest: Option<(Vec3, i64)>,
+    /// The newest sample and its time, if known.
+    newest: Option<(Vec3, Option<i64>)>,
     /// Since when the eyes are not seen, where they were seen before.
     unseen_since_ns: Option<i64>,
     was_in_saccade: bool,
@@ -50,10 +50,9 @@ impl Signal {
         }
         self.window.frames += 1;
         match *look {
-            Look::At { direction, sampled_ns } => {
-                let sampled_ns = if sampled_ns > 0 { sampled_ns } else { time_ns };
+            Look::At { direction, sampled_ns, .. } => {
                 self.window.valid += 1;
-                self.seen(direction, sampled_ns, phase);
+                self.seen(direction, (sampled_ns > 0).then_some(sampled_ns), phase);
                 if let Some(since_ns) = self.unseen_since_ns.take() {
                     let is_blink = BLINK_NS.contains(&time_ns.saturating_sub(since_ns));
                     self.quality.blinks += u32::from(is_blink);
@@ -70,20 +69,22 @@ impl Signal {
         self.was_in_saccade = is_in_saccade;
     }
 
-    fn seen(&mut self, direction: Vec3, sampled_ns: i64, phase: GazePhase) {
+    fn seen(&mut self, direction: Vec3, sampled_ns: Option<i64>, phase: GazePhase) {
+        // The same sample, in another frame.
+        let is_same = self.newest.is_some_and(|(before, before_ns)| match sampled_ns {
+            Some(_) => before_ns == sampled_ns,
+            None => is_unchanged(before, direction),
+        });
+        if is_same {
+            return;
+        }
+        self.window.samples += 1;
         let before = self.newest.replace((direction, sampled_ns));
-        match before {
-            // The same sample, in another frame.
-            Some((_, before_ns)) if before_ns == sampled_ns => {}
-            before => {
-                self.window.samples += 1;
-                if let (Some((before, _)), GazePhase::Fixation) = (before, phase) {
-                    let angle = f64::from(before.angle_between(direction).to_degrees());
-                    if angle.is_finite() {
-                        self.window.steps += 1;
-                        self.window.squares_deg2 += angle * angle;
-                    }
-                }
+        if let (Some((before, _)), GazePhase::Fixation) = (before, phase) {
+            let angle = f64::from(before.angle_between(direction).to_degrees());
+            if angle.is_finite() {
+                self.window.steps += 1;
+                self.window.squares_deg2 += angle * angle;
             }
         }
     }
@@ -115,7 +116,7 @@ mod tests {
     }
 
     fn at(left: f32, sampled_ns: i64) -> Look {
-        Look::At { direction: direction([left, 0.0]), sampled_ns }
+        Look::At { direction: direction([left, 0.0]), sampled_ns, uncertainty_ns: 0 }
     }
 
     #[test]
@@ -131,6 +132,18 @@ mod tests {
         assert!((quality.valid.unwrap() - 0.9).abs() < 0.02, "{quality:?}");
         assert!((quality.noise_deg.unwrap() - 0.2).abs() < 0.01, "{quality:?}");
         assert_eq!((quality.blinks, quality.saccades), (0, 0), "a lost sample is no blink");
+    }
+
+    #[test]
+    fn samples_of_unknown_time_are_told_apart_by_their_directions() {
+        let mut signal = Signal::default();
+        // 30 Hz: a sample for three frames, to and fro by 0.2 degrees, with the rounding of poses.
+        run(&mut signal, 1..400, GazePhase::Fixation, |frame| {
+            at(if frame / 3 % 2 == 0 { 5.0 } else { 5.2 } + 1e-5 * (frame % 3) as f32, 0)
+        });
+        let quality = signal.quality();
+        assert!((quality.rate_hz.unwrap() - 30.0).abs() < 1.0, "{quality:?}");
+        assert!((quality.noise_deg.unwrap() - 0.2).abs() < 0.01, "{quality:?}");
     }
 
     #[test]

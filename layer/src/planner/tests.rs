@@ -1,6 +1,6 @@
 use super::*;
 use crate::config::{ChromaMode, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, SilenceRule};
-use crate::inputs::gaze::auto::SampleTimes;
+use crate::inputs::gaze::auto::{PacketDelay, SampleTimes};
 use crate::inputs::gaze::osc::{NewestGaze, OscGaze, read};
 use crate::kernels::debug_view::DebugView;
 use crate::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, EyeMapRecord};
@@ -147,7 +147,7 @@ fn a_gaze_in_packets_is_in_the_map_of_the_next_frame() {
             packets.iter().for_each(|bytes| gaze.take(sender, read(bytes), came_ns));
             session.begin();
             let newest = NewestGaze { look: gaze.look(), age: Some(std::time::Duration::from_millis(2)) };
-            session.plan(newest.look(&mut times, session.time_ns, 50_000_000));
+            session.plan(newest.look(&mut times, session.time_ns, PacketDelay::ASSUMED));
             let [is_here, is_there] = [from, to].map(crate::inputs::gaze::direction).map(|direction| {
                 [0, 1].map(|eye| rate_at(&session, eye, direction) == ShadingRate::R1X1.texel())
             });
@@ -166,7 +166,11 @@ fn centre(preset: Preset) -> Config {
 }
 
 fn yaw(degrees: f32) -> Look {
-    Look::At { direction: Quat::from_rotation_y(degrees.to_radians()) * Vec3::NEG_Z, sampled_ns: 0 }
+    Look::At {
+        direction: Quat::from_rotation_y(degrees.to_radians()) * Vec3::NEG_Z,
+        sampled_ns: 0,
+        uncertainty_ns: 0,
+    }
 }
 
 #[test]
@@ -190,6 +194,18 @@ fn a_gaze_that_rests_comes_to_one_map() {
     assert_eq!(session.serial, serial);
     session.frames(1, yaw(-10.0));
     assert_eq!(session.serial, serial + 1, "until it moves");
+}
+
+/// A tracker whose exposures are not all usable.
+#[test]
+fn rates_become_coarse_although_samples_are_lost_one_at_a_time() {
+    let [mut losing, mut whole] = [(); 2].map(|()| Session::new(Config::default()));
+    for frame in 0..180 {
+        losing.frame(if frame % 5 == 4 { Look::Unseen } else { yaw(10.0) });
+        whole.frame(yaw(10.0));
+    }
+    assert!(whole.full(0) < 0.5, "{}", whole.full(0));
+    assert!(losing.full(0) < whole.full(0) + 0.02, "{} {}", losing.full(0), whole.full(0));
 }
 
 #[test]
@@ -376,7 +392,7 @@ fn eyes_that_rest_while_the_head_turns_are_in_no_pursuit() {
         session.head = turned(0.5 * step as f32 - 30.0);
         session.begin();
         let direction = ahead(0.5 * step as f32 - 30.0);
-        session.plan(Look::At { direction, sampled_ns: session.time_ns });
+        session.plan(Look::At { direction, sampled_ns: session.time_ns, uncertainty_ns: 0 });
         let gaze = session.planner.phase(&session.config, session.time_ns);
         assert!(step < 20 || gaze == GazePhase::Fixation, "step {step}: {gaze:?}");
     }

@@ -75,7 +75,8 @@ pub unsafe extern "system" fn wait(
             (result.into_raw() >= 0, known.as_ref().and_then(|known| known.active.as_ref()))
         {
             // SAFETY: the call succeeded, so `state` is valid.
-            active.plan.frame_awaited(unsafe { (*state).predicted_display_time });
+            let (time, should_render) = unsafe { ((*state).predicted_display_time, (*state).should_render) };
+            active.plan.frame_awaited(time, should_render == xr::TRUE);
         }
         result
     })

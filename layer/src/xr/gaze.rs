@@ -5,7 +5,7 @@
 
 use super::session::Session;
 use crate::config::{Config, FilePath, GazeSource};
-use crate::inputs::gaze::auto::{ActiveGazeSource, Auto};
+use crate::inputs::gaze::auto::{ActiveGazeSource, Auto, PacketDelay};
 use crate::inputs::gaze::correction::SessionGazeCorrection;
 use crate::inputs::gaze::osc::{Listener, OscSource};
 use crate::inputs::gaze::recording::Recording;
@@ -14,7 +14,7 @@ use crate::inputs::gaze::{Look, degrees, turned};
 use crate::status::StatusSnapshot;
 use glam::Vec3;
 use openxr_sys as xr;
-use parafovea_core::gaze::{GazeDelay, GazePhase, GazeSettings, TimedGaze};
+use parafovea_core::gaze::{GazeDelay, GazePhase, TimedGaze};
 use std::fs::OpenOptions;
 use std::io::Read;
 use std::os::unix::fs::OpenOptionsExt;
@@ -165,16 +165,17 @@ impl SessionGaze {
     /// Gaze at `time`. Locates on this thread.
     pub fn look(&self, session: &Session, config: &Config, time: xr::Time) -> Look {
         let time_ns = time.as_nanos();
-        let packets = || self.state().osc.look(time_ns, latency_ns());
+        let packets = |delay| self.state().osc.look(time_ns, delay);
         let (active_source, look) = match config.gaze.source {
             GazeSource::Auto => {
-                let (eyes, packets) = (session.actions.look(session, time), packets());
+                let delay = self.state().packet_delay();
+                let (eyes, packets) = (session.actions.look(session, time), packets(delay));
                 let mut state = self.state();
-                state.compare(eyes, packets);
+                state.compare(eyes, packets, delay);
                 state.auto.choose(eyes, packets, time_ns)
             }
             GazeSource::Eyes => (ActiveGazeSource::Eyes, session.actions.look(session, time)),
-            GazeSource::Osc => (ActiveGazeSource::Osc, packets()),
+            GazeSource::Osc => (ActiveGazeSource::Osc, packets(PacketDelay::ASSUMED)),
             GazeSource::Centre => (ActiveGazeSource::Centre, Look::NoTracker),
             GazeSource::File => (ActiveGazeSource::File, self.scripted(time_ns)),
         };
@@ -193,7 +194,7 @@ impl SessionGaze {
                 match look {
                     Look::NoTracker => {}
                     Look::Unseen => recording.note(seconds_since(begin, time_ns), None),
-                    Look::At { direction, sampled_ns } => {
+                    Look::At { direction, sampled_ns, .. } => {
                         let at = if sampled_ns > 0 { sampled_ns } else { time_ns };
                         recording.note(seconds_since(begin, at), Some(direction));
                     }
@@ -208,7 +209,7 @@ impl SessionGaze {
     pub fn application_look(&self, config: &Config, time_ns: i64) -> Look {
         match Offered::of(config) {
             Some(Offered::Packets) => {
-                let look = self.state().osc.application_look(time_ns, latency_ns());
+                let look = self.state().osc.application_look(time_ns, PacketDelay::ASSUMED);
                 let look = turned(look, config.gaze.offset_deg.left_up_deg());
                 self.correction.corrected_for_application(ActiveGazeSource::Osc, look)
             }
@@ -234,22 +235,27 @@ impl SessionGaze {
             (script, begin)
         };
         match script.at(seconds_since(begin, time_ns)) {
-            Some(direction) => Look::At { direction, sampled_ns: time_ns },
+            Some(direction) => Look::At { direction, sampled_ns: time_ns, uncertainty_ns: 0 },
             None => Look::Unseen,
         }
     }
 }
 
 impl State {
-    /// Takes the gazes of both sources, if both are present, for the delay of packets.
-    fn compare(&mut self, eyes: Look, packets: Look) {
+    /// The delay of packets: measured, or assumed.
+    fn packet_delay(&self) -> PacketDelay {
+        self.delay.delay_ms().map_or(PacketDelay::ASSUMED, PacketDelay::measured)
+    }
+
+    /// Takes the gazes of both sources, if both are present, for the delay of packets, whose times are by `delay`.
+    fn compare(&mut self, eyes: Look, packets: Look, delay: PacketDelay) {
         if packets == Look::NoTracker {
             // The next sender may have another delay.
             if self.delay.has_begun() {
                 self.delay = GazeDelay::default();
             }
         } else if eyes != Look::NoTracker {
-            self.delay.push(timed(eyes, 0), timed(packets, latency_ns()));
+            self.delay.push(timed(eyes, 0), timed(packets, delay.delay_ns));
         }
     }
 }
@@ -257,7 +263,7 @@ impl State {
 /// A gaze whose time is known, so much later; `None` for any other.
 fn timed(look: Look, later_ns: i64) -> Option<TimedGaze> {
     match look {
-        Look::At { direction, sampled_ns } if sampled_ns > 0 && direction != Vec3::ZERO => {
+        Look::At { direction, sampled_ns, .. } if sampled_ns > 0 && direction != Vec3::ZERO => {
             Some((degrees(direction), sampled_ns.saturating_add(later_ns)))
         }
         Look::At { .. } | Look::Unseen | Look::NoTracker => None,
@@ -285,11 +291,6 @@ impl Offered {
             GazeSource::Eyes | GazeSource::Centre => None,
         }
     }
-}
-
-/// From the eye to the packet and from the plan of a frame to its display, nanoseconds: as for any sample whose time is not known.
-fn latency_ns() -> i64 {
-    (f64::from(GazeSettings::default().latency_ms) * 1e6) as i64
 }
 
 fn seconds_since(begin_ns: i64, time_ns: i64) -> f64 {

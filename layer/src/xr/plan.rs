@@ -6,6 +6,7 @@
 //! locate may wait for another process. No lock of ours is held meanwhile. The plan itself is made by a thread of ours, or by the first
 //! call that needs it: the submit of a pass with a map, or xrEndFrame.
 
+mod seen;
 mod sleep;
 mod thread;
 mod views;
@@ -32,8 +33,10 @@ use crate::status::{
     Known, Quiet, StatusSnapshot, Topic, all_decisions, decided, decision_count, why_unseen,
 };
 use openxr_sys as xr;
+use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::{GateMode, Techniques};
+use seen::SeenFrames;
 use sleep::Sleep;
 use smallvec::SmallVec;
 use std::ptr;
@@ -56,6 +59,7 @@ pub struct SessionPlan {
     audio_input: Mutex<AudioInput>,
     /// Display time of the frame that xrWaitFrame returned last.
     awaited: AtomicI64,
+    seen: SeenFrames,
     frame: Mutex<Frame>,
     /// Since when recognition is quiet.
     quiet: Mutex<Quiet>,
@@ -90,6 +94,7 @@ impl SessionPlan {
             benefit: Mutex::default(),
             audio_input: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
+            seen: SeenFrames::default(),
             frame: Mutex::new(Frame { config, time: None, is_located: false, later: None }),
             quiet: Mutex::default(),
             has_reported_unseen: AtomicBool::new(false),
@@ -139,9 +144,20 @@ impl SessionPlan {
         self.audio_input.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// xrWaitFrame returned a frame to be shown at `time`.
-    pub fn frame_awaited(&self, time: xr::Time) {
+    /// xrWaitFrame returned a frame to be shown at `time`, which the application should render or not.
+    pub fn frame_awaited(&self, time: xr::Time, should_render: bool) {
         self.awaited.store(time.as_nanos(), Ordering::Relaxed);
+        self.seen.take(time.as_nanos(), should_render);
+    }
+
+    /// The sound at `time`; without it, and without a capture, while nothing is shown.
+    fn sound(&self, config: &Config, time: xr::Time) -> Option<AudioFeatures> {
+        let mut input = self.audio_input();
+        if self.is_running.load(Ordering::Relaxed) && self.seen.are_recent(time.as_nanos()) {
+            return input.poll(config);
+        }
+        input.rest();
+        None
     }
 
     /// Display time of the frame that xrBeginFrame is about to begin; `None` before the first xrWaitFrame.
@@ -186,6 +202,9 @@ impl SessionPlan {
     /// Sets whether the session runs. Without frames no newer plan arrives, so passes get no rates.
     pub fn set_running(&self, active: &Active, is_running: bool) {
         self.is_running.store(is_running, Ordering::Relaxed);
+        if !is_running {
+            self.audio_input().rest();
+        }
         self.sleep.wake();
         self.notify_settings(active, &self.config());
     }

@@ -45,7 +45,12 @@ fn frame(planner: &mut SessionPlanner, config: &Config, number: i64) -> bool {
     planner.frame_begins(time_ns, 1);
     planner.views.located(&views);
     let direction = Quat::from_rotation_y(0.3 * wobble) * Vec3::NEG_Z;
-    planner.look(config, Look::At { direction, sampled_ns: time_ns - 50_000_000 }, head, time_ns);
+    planner.look(
+        config,
+        Look::At { direction, sampled_ns: time_ns - 50_000_000, uncertainty_ns: 0 },
+        head,
+        time_ns,
+    );
     let is_planned = planner.plan(config, true, head, time_ns);
     let is_new = is_planned && planner.new_rates(config, || number as u64).is_some();
     let side = 800 + (100.0 * wobble) as u32;

@@ -3,7 +3,7 @@
 use super::Gaze;
 use std::fmt;
 
-/// The delay of packets for prediction, milliseconds.
+/// The delay of packets for prediction before it is measured, milliseconds.
 pub const ASSUMED_DELAY_MS: u32 = 50;
 
 /// Source, rate and age in one line.
@@ -49,7 +49,7 @@ impl Gaze {
     pub fn packet_delay(&self) -> Option<String> {
         let delay = self.packet_delay_ms?;
         Some(format!(
-            "{delay:.0} ms from the eye to the display of its packet, by the runtime's eye tracker; {ASSUMED_DELAY_MS} ms are assumed"
+            "{delay:.0} ms from the eye to the display of its packet, by the runtime's eye tracker; before, {ASSUMED_DELAY_MS} ms were assumed"
         ))
     }
 

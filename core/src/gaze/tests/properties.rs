@@ -35,11 +35,12 @@ proptest! {
                 }
                 5 | 6 => {
                     let time_ns = if kind == 5 { 0 } else { time.saturating_sub(50 * MS) };
-                    tracker.push_at(&GazeSample { directions: [direction; 2], time_ns, valid: true }, time);
+                    tracker.push_at(&GazeSample { directions: [direction; 2], uncertainty_ns: step, ..sample(0.0, time_ns) }, time);
                 }
                 kind => tracker.push(&GazeSample {
                     directions: [direction, if kind == 1 { Vec3::NAN } else { direction }],
                     time_ns: time,
+                    uncertainty_ns: 0,
                     valid: kind != 2,
                 }),
             }
@@ -86,7 +87,7 @@ proptest! {
         let [mut once, mut twice] = [GazeTracker::new(GazeSettings::default()), GazeTracker::new(GazeSettings::default())];
         let (mut yaw_deg, mut time) = (0.0, 1000 * MS);
         for (turn_deg, step_ms, jumps) in steps {
-            yaw_deg += if jumps { 5.0 * turn_deg } else { 0.1 * turn_deg };
+            yaw_deg = (yaw_deg + if jumps { 5.0 * turn_deg } else { 0.1 * turn_deg }).clamp(-60.0, 60.0);
             time += step_ms * MS;
             once.push_at(&sample(yaw_deg, time), time + 50 * MS);
             twice.push_at(&sample(yaw_deg, time), time + 50 * MS);
@@ -106,7 +107,7 @@ proptest! {
         let off_deg = eccentricity(wrong, yaw(2.0)).to_degrees();
         prop_assume!(off_deg > step_ms as f32 * 1.1);
         let step = step_ms * MS;
-        tracker.push(&GazeSample { directions: [wrong; 2], time_ns: now + step, valid: true });
+        tracker.push(&GazeSample { directions: [wrong; 2], ..sample(0.0, now + step) });
         prop_assert_eq!(tracker.rejection(), Some(Rejection::TooFast));
         prop_assert!(!tracker.state(now + step).may_coarsen());
         tracker.push(&sample(2.0, now + 2 * step));

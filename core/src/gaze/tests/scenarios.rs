@@ -59,21 +59,33 @@ fn a_sample_time_that_is_not_known_is_the_usual_latency_ago() {
 
 #[test]
 fn without_times_a_repeated_answer_is_no_sample() {
-    // A tracker of 30 Hz that follows at 20 deg/s, read at 90 Hz: each answer comes three times.
-    let mut tracker = GazeTracker::new(GazeSettings::default());
-    let mut now = 0;
-    for frame in 0..180 {
-        now = 5000 * MS + frame * 11 * MS;
-        tracker.push_at(&sample(0.66 * (frame / 3) as f32, 0), now);
-        if frame > 60 {
-            assert_eq!(tracker.state(now).phase, GazePhase::Pursuit, "frame {frame}");
+    // A tracker of 30 Hz that follows at 20 deg/s, read at 90 Hz: each answer comes three times, by poses of a head that trembles.
+    for composed in [false, true] {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let mut now = 0;
+        for frame in 0..180 {
+            now = 5000 * MS + frame * 11 * MS;
+            let mut seen = sample(0.66 * (frame / 3) as f32, 0);
+            if composed {
+                let trembling = Quat::from_rotation_y(0.001 * (frame * 31 % 17) as f32);
+                seen.directions = seen.directions.map(|gaze| by_poses(trembling, gaze));
+            }
+            tracker.push_at(&seen, now);
+            if frame > 60 {
+                assert_eq!(tracker.state(now).phase, GazePhase::Pursuit, "frame {frame}");
+            }
         }
+        assert!((tracker.state(now).velocity_deg_s - 20.0).abs() < 0.5, "{:?}", tracker.state(now));
     }
-    assert!((tracker.state(now).velocity_deg_s - 20.0).abs() < 0.5, "{:?}", tracker.state(now));
+}
+
+/// A gaze from the head, by a runtime that turns it into the world and back.
+fn by_poses(head: Quat, gaze: Vec3) -> Vec3 {
+    head.inverse() * (head * gaze)
 }
 
 #[test]
-fn without_times_a_gaze_that_rests_in_every_bit_is_not_lost() {
+fn without_times_a_gaze_that_never_changes_is_not_lost() {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     for frame in 0..900 {
         let now = 5000 * MS + frame * 11 * MS;
@@ -101,7 +113,7 @@ fn a_gaze_out_of_the_back_of_the_head_is_rejected() {
     let mut tracker = GazeTracker::new(GazeSettings::default());
     for frame in 1..100 {
         tracker.push_at(
-            &GazeSample { directions: [Vec3::Z; 2], time_ns: frame * 11 * MS, valid: true },
+            &GazeSample { directions: [Vec3::Z; 2], ..sample(0.0, frame * 11 * MS) },
             frame * 11 * MS,
         );
         assert_eq!(tracker.rejection(), Some(Rejection::Behind));
@@ -110,7 +122,7 @@ fn a_gaze_out_of_the_back_of_the_head_is_rejected() {
     let (mut tracker, time) = late(4.0, 10);
     let behind = GazeSample { directions: [yaw(176.0); 2], ..sample(0.0, time + 10 * MS) };
     tracker.push_at(&behind, time + 10 * MS + LATENCY);
-    let state = tracker.state(time + 10 * MS + LATENCY);
+    let state = tracker.state(time + 60 * MS + LATENCY);
     assert_eq!((state.phase, state.trust), (GazePhase::Blink, 1.0));
     assert!(eccentricity(state.directions[0], yaw(4.0)).to_degrees() < 0.01, "the last one is held");
 }
@@ -162,14 +174,18 @@ fn a_gaze_outside_of_both_views_is_held_and_then_lost() {
 /// Windows Mixed Reality advertises a gaze that is the head's direction; trackers also hang.
 #[test]
 fn a_gaze_that_never_changes_while_the_head_turns_is_no_gaze() {
-    for (head_deg_s, frozen) in [(30.0, true), (0.0, false)] {
+    for (head_deg_s, frozen, composed) in
+        [(30.0, true, false), (0.0, false, false), (30.0, true, true), (0.0, false, true)]
+    {
         let mut tracker = GazeTracker::new(GazeSettings::default());
         let mut lost_at = None;
         for frame in 0..270i64 {
             let now = 5000 * MS + frame * 11 * MS;
             let seconds = frame as f32 * 0.011;
-            tracker.head_turned(Quat::from_rotation_y((head_deg_s * seconds).to_radians()), now);
-            tracker.push_at(&sample(0.0, now - LATENCY), now);
+            let head = Quat::from_rotation_y((head_deg_s * seconds).to_radians());
+            tracker.head_turned(head, now);
+            let gaze = if composed { by_poses(head, yaw(12.0)) } else { yaw(12.0) };
+            tracker.push_at(&GazeSample { directions: [gaze; 2], ..sample(12.0, now - LATENCY) }, now);
             if tracker.rejection() == Some(Rejection::Frozen) {
                 lost_at.get_or_insert(seconds);
                 assert_eq!(tracker.state(now).phase, GazePhase::Lost);
@@ -180,7 +196,7 @@ fn a_gaze_that_never_changes_while_the_head_turns_is_no_gaze() {
         if frozen {
             let now = 5000 * MS + 270 * 11 * MS;
             assert_eq!(tracker.state(now).trust, 0.0);
-            tracker.push_at(&sample(0.01, now - LATENCY), now);
+            tracker.push_at(&sample(12.01, now - LATENCY), now);
             assert_eq!(tracker.rejection(), None, "a tracker that goes on is believed again");
             assert_eq!(tracker.state(now).phase, GazePhase::PostSaccade);
         }
@@ -224,6 +240,72 @@ fn eyes_that_turn_against_the_head_rest() {
     assert!(jumps + turns > 10 && behind_deg > 10.0, "without being told, they do not: {courses:?}");
 }
 
+/// Times of another clock, or of a later frame.
+#[test]
+fn times_that_cannot_be_true_are_not_read() {
+    for (ahead_ms, head_deg_s) in [(1000, 0.0), (70, 0.0), (-10_000, 30.0)] {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let mut saccades = 0;
+        let head = |time: i64| {
+            let seconds = (time - 21_400 * MS) as f32 * 1e-9;
+            Quat::from_rotation_y((head_deg_s * seconds).to_radians())
+        };
+        for frame in 0..250i64 {
+            let now = 20_000 * MS + frame * 11 * MS;
+            let taken = now - LATENCY;
+            tracker.head_turned(head(now), now);
+            // A saccade in the middle, by eyes that rest on the world before and after.
+            let gaze = yaw(15.0 * way((taken - 21_500 * MS) as f32 * 1e-6 / 54.0));
+            let directions = [head(taken).inverse() * gaze; 2];
+            tracker.push_at(&GazeSample { directions, ..sample(0.0, taken + ahead_ms * MS) }, now);
+            let state = tracker.state(now);
+            saccades += u32::from(state.phase == GazePhase::Saccade);
+            if taken > 22_600 * MS {
+                let told = (state.phase, state.is_suppressed, state.trust);
+                assert_eq!(told, (GazePhase::Fixation, false, 1.0), "{ahead_ms} ms ahead, frame {frame}");
+            }
+        }
+        assert!(saccades > 0, "{ahead_ms} ms ahead");
+    }
+}
+
+/// A tracker that has stopped before the session began.
+#[test]
+fn an_old_sample_that_stays_is_no_gaze() {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    for frame in 0..90 {
+        tracker.push_at(&sample(4.0, 1000 * MS), 5000 * MS + frame * 11 * MS);
+    }
+    assert_eq!(tracker.state(5990 * MS).phase, GazePhase::Lost);
+}
+
+#[test]
+fn the_error_of_a_sample_of_unknown_age_is_within_the_widened_area() {
+    // Eyes that rest on the world, from a tracker that is 80 ms late.
+    let start = 2500 * MS;
+    for head_deg_s in [0.0, 120.0f32] {
+        let head_deg = |time: i64| head_deg_s * ((time - start).max(0) as f64 * 1e-9) as f32;
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let mut farthest_deg = 0.0f32;
+        for frame in 0..190 {
+            let now = 1000 * MS + frame * 11 * MS;
+            tracker.head_turned(Quat::from_rotation_y(head_deg(now).to_radians()), now);
+            let jitter_deg = 1e-2 * (frame % 7) as f32;
+            tracker.push_at(&sample(jitter_deg - 35.0 + head_deg(now - 80 * MS), 0), now);
+            let state = tracker.state(now);
+            let off_deg = eccentricity(state.directions[0], yaw(head_deg(now) - 35.0)).to_degrees();
+            let motion_deg = state.motion_deg(0.05);
+            assert!(head_deg_s > 0.0 || state.timing_error_deg == 0.0, "a head at rest pays nothing");
+            // Before that the turn of the head shows, and that of the eyes does not yet.
+            if now > start + 200 * MS {
+                assert!(off_deg < motion_deg + 0.1, "frame {frame}: {off_deg} off, {motion_deg} admitted");
+                farthest_deg = farthest_deg.max(off_deg);
+            }
+        }
+        assert!(head_deg_s == 0.0 || farthest_deg > 3.0, "{farthest_deg}");
+    }
+}
+
 #[test]
 fn a_gaze_that_turns_with_the_head_is_where_it_was_from_the_head() {
     // To 60 deg/s in 0.2 s.
@@ -258,9 +340,54 @@ fn a_held_gaze_keeps_its_direction_from_the_head() {
         let now = time + LATENCY + frame * 10 * MS;
         tracker.head_turned(Quat::from_rotation_y((3.0 * frame as f32).to_radians()), now);
         tracker.push_at(&missing(now - LATENCY), now);
-        let direction = tracker.state(now).directions[0];
-        assert!(eccentricity(direction, yaw(20.0)).to_degrees() < 0.01, "after {frame} frames: {direction}");
+        let state = tracker.state(now);
+        assert_eq!(state.phase == GazePhase::Blink, frame >= 5, "after {frame} frames");
+        // Before that they are taken to rest on the world, in which the head is known from the first frame on.
+        let held_deg = if frame < 5 { 20.0 + 3.0 * (frame - 1) as f32 } else { 20.0 };
+        let direction = state.directions[0];
+        assert!(
+            eccentricity(direction, yaw(held_deg)).to_degrees() < 0.01,
+            "after {frame} frames: {direction}"
+        );
     }
+}
+
+/// A tracker whose exposures are not all usable.
+#[test]
+fn samples_that_are_lost_one_at_a_time_are_no_blinks() {
+    // At rest at 60, 90 and 120 Hz, and following at 20 deg/s.
+    for (step_ms, deg_s, phase) in [16, 11, 8]
+        .into_iter()
+        .flat_map(|ms| [(ms, 0.0, GazePhase::Fixation), (ms, 20.0, GazePhase::Pursuit)])
+    {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        for number in 0..150i64 {
+            let time = 1000 * MS + number * step_ms * MS;
+            let seen = sample(deg_s * (number * step_ms) as f32 * 1e-3 - 15.0, time);
+            tracker.push_at(&GazeSample { valid: number % 5 != 4, ..seen }, time + LATENCY);
+            assert_eq!(tracker.rejection(), (number % 5 == 4).then_some(Rejection::NotTracked));
+            if number > 60 {
+                let state = tracker.state(time + LATENCY);
+                assert_eq!((state.phase, state.trust), (phase, 1.0), "each {step_ms} ms, sample {number}");
+            }
+        }
+    }
+}
+
+#[test]
+fn eyes_that_are_gone_for_30_ms_may_be_elsewhere() {
+    let (mut tracker, time) = late(4.0, 8);
+    let mut phases = Vec::new();
+    for number in 1..=7 {
+        tracker.push_at(&missing(time + number * 8 * MS), time + number * 8 * MS + LATENCY);
+        phases.push(tracker.state(time + number * 8 * MS + LATENCY).phase);
+    }
+    assert_eq!(phases[..3], [GazePhase::Fixation; 3]);
+    assert_eq!(phases[3..6], [GazePhase::PostSaccade; 3]);
+    assert_eq!(phases[6], GazePhase::Blink);
+    let found = time + 64 * MS;
+    tracker.push_at(&sample(4.0, found), found + LATENCY);
+    assert_eq!(tracker.state(found + LATENCY).phase, GazePhase::PostSaccade);
 }
 
 #[test]

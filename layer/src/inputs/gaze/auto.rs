@@ -72,6 +72,25 @@ impl Auto {
     }
 }
 
+/// Delay of packets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PacketDelay {
+    /// From the eye to the packet and from the plan of a frame to its display, nanoseconds.
+    pub delay_ns: i64,
+    /// Its possible error, nanoseconds.
+    pub uncertainty_ns: i64,
+}
+
+impl PacketDelay {
+    /// Before it is measured: as that of any sample whose time is not known, but cameras, networks and other processes take up to 140 ms.
+    pub const ASSUMED: Self = Self { delay_ns: 50_000_000, uncertainty_ns: 90_000_000 };
+
+    /// By a measurement, milliseconds, which is right to 10 ms.
+    pub fn measured(delay_ms: f32) -> Self {
+        Self { delay_ns: (f64::from(delay_ms) * 1e6) as i64, uncertainty_ns: 10_000_000 }
+    }
+}
+
 /// Times of samples that a runtime knows nothing of, on the clock of display times.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SampleTimes {
@@ -108,8 +127,8 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    const AT: Look = Look::At { direction: Vec3::NEG_Z, sampled_ns: 1 };
-    const OTHER: Look = Look::At { direction: Vec3::X, sampled_ns: 2 };
+    const AT: Look = Look::At { direction: Vec3::NEG_Z, sampled_ns: 1, uncertainty_ns: 0 };
+    const OTHER: Look = Look::At { direction: Vec3::X, sampled_ns: 2, uncertainty_ns: 0 };
     const S: i64 = 1_000_000_000;
 
     #[test]

@@ -32,8 +32,11 @@ struct State {
 impl State {
     fn corrected(&self, source: ActiveGazeSource, look: Look) -> Look {
         match (look, self.correction.filter(|correction| correction.source == source)) {
-            (Look::At { direction: seen, sampled_ns }, Some(correction)) if seen != Vec3::ZERO => {
-                Look::At { direction: direction(correction.corrected(degrees(seen))), sampled_ns }
+            (Look::At { direction: seen, sampled_ns, uncertainty_ns }, Some(correction))
+                if seen != Vec3::ZERO =>
+            {
+                let direction = direction(correction.corrected(degrees(seen)));
+                Look::At { direction, sampled_ns, uncertainty_ns }
             }
             _ => look,
         }
@@ -88,7 +91,7 @@ impl Measurement {
     /// calibration without any correction.
     fn push(&mut self, source: ActiveGazeSource, look: Look, correction: Option<&Correction>, time_ns: i64) {
         let sample = match look {
-            Look::At { direction, sampled_ns } if direction != Vec3::ZERO => {
+            Look::At { direction, sampled_ns, .. } if direction != Vec3::ZERO => {
                 let at = if sampled_ns > 0 { sampled_ns } else { time_ns };
                 let is_its = *self.source.get_or_insert(source) == source;
                 is_its.then(|| (degrees(direction), at))

@@ -15,5 +15,7 @@ pub enum Look {
         direction: Vec3,
         /// Time of the sample, nanoseconds on the clock of display times; 0: not known.
         sampled_ns: i64,
+        /// Possible error of that time, nanoseconds; 0: exact.
+        uncertainty_ns: i64,
     },
 }

@@ -260,7 +260,9 @@ impl SessionActions {
         let Some((_, space)) = self.state().attachment.ours() else { return Look::Unseen };
         let Some(spaces) = session.spaces else { return Look::NoTracker };
         match spaces::gaze(&session.instance.next, space, spaces.head, time) {
-            Some((turned, sampled_ns)) => Look::At { direction: turned * FORWARD, sampled_ns },
+            Some((turned, sampled_ns)) => {
+                Look::At { direction: turned * FORWARD, sampled_ns, uncertainty_ns: 0 }
+            }
             None => Look::Unseen,
         }
     }

@@ -14,7 +14,7 @@ fn eyes_deg(ms: i64) -> [f32; 2] {
 }
 
 fn look_at(eye_ms: i64, sampled_ns: i64) -> Look {
-    Look::At { direction: direction(eyes_deg(eye_ms)), sampled_ns }
+    Look::At { direction: direction(eyes_deg(eye_ms)), sampled_ns, uncertainty_ns: 0 }
 }
 
 /// Frames of 11 ms from `begin_ms` on: the runtime's tracker is 10 ms late and knows it, packets are `delay_ms` late at display time.
@@ -22,7 +22,8 @@ fn play(state: &mut State, begin_ms: i64, delay_ms: i64, sampled: impl Fn(i64) -
     for frame in 0..2_000 {
         let shown_ms = begin_ms + 11 * frame;
         let eyes = look_at(shown_ms - 10, sampled((shown_ms - 10) * MS));
-        state.compare(eyes, look_at(shown_ms - delay_ms, shown_ms * MS - latency_ns()));
+        let delay = state.packet_delay();
+        state.compare(eyes, look_at(shown_ms - delay_ms, shown_ms * MS - delay.delay_ns), delay);
     }
 }
 
@@ -32,10 +33,12 @@ fn the_delay_of_packets_is_known_by_the_runtime_s_eye_tracker_until_their_sender
     play(&mut state, 1_000, 72, |sampled_ns| sampled_ns);
     let known = state.delay.delay_ms();
     assert!(known.is_some_and(|known| (known - 72.0).abs() < 8.0), "{known:?}");
-    state.compare(Look::NoTracker, look_at(30_000, 30_000 * MS));
+    let delay = state.packet_delay();
+    assert!((delay.delay_ns - 72 * MS).abs() < 8 * MS && delay.uncertainty_ns == 10 * MS, "{delay:?}");
+    state.compare(Look::NoTracker, look_at(30_000, 30_000 * MS), delay);
     assert_eq!(state.delay.delay_ms(), known);
-    state.compare(look_at(30_000, 30_000 * MS), Look::NoTracker);
-    assert_eq!(state.delay.delay_ms(), None);
+    state.compare(look_at(30_000, 30_000 * MS), Look::NoTracker, delay);
+    assert_eq!(state.packet_delay(), PacketDelay::ASSUMED);
 }
 
 #[test]
@@ -47,5 +50,5 @@ fn without_the_times_of_the_runtime_s_samples_no_delay_is_known() {
 
 #[test]
 fn the_status_names_the_delay_that_is_assumed() {
-    assert_eq!(latency_ns(), i64::from(ASSUMED_DELAY_MS) * MS);
+    assert_eq!(PacketDelay::ASSUMED.delay_ns, i64::from(ASSUMED_DELAY_MS) * MS);
 }

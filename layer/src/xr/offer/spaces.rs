@@ -118,7 +118,7 @@ impl GazeSpace {
         }
         let config = self.session.instance.config.snapshot();
         match self.session.gaze.application_look(&config, time.as_nanos()) {
-            Look::At { direction, sampled_ns } => {
+            Look::At { direction, sampled_ns, .. } => {
                 Placement::Gaze { pose: Pose::of_gaze(direction).then(self.space.offset), sampled_ns }
             }
             Look::Unseen | Look::NoTracker => Placement::Nowhere,

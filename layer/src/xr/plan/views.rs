@@ -204,7 +204,7 @@ pub(super) fn plan(
         return;
     }
     let head = look(session, state, config, time);
-    let sound = state.audio_input().poll(config);
+    let sound = state.sound(config, time);
     let has_maps = {
         let mut planner = state.planner();
         if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {

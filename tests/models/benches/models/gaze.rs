@@ -22,7 +22,7 @@ pub fn benches(criterion: &mut Criterion) {
             let angle = (20.0 * side - 10.0).to_radians();
             let directions = [Vec3::new(angle.sin(), 0.0, -angle.cos()); 2];
             let time_ns = number * STEP_NS;
-            let sample = GazeSample { directions, time_ns, valid: true };
+            let sample = GazeSample { directions, time_ns, uncertainty_ns: 0, valid: true };
             tracker.push_at(black_box(&sample), time_ns + 50_000_000);
             black_box(tracker.state(time_ns + 55_000_000))
         });

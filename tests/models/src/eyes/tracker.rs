@@ -93,7 +93,7 @@ impl TrackerModel {
 
     fn sample(&self, seen: DVec3, t: f64, valid: bool) -> GazeSample {
         let time_ns = if self.tells_time { nanoseconds(t) } else { 0 };
-        GazeSample { directions: [seen.as_vec3(); 2], time_ns, valid }
+        GazeSample { directions: [seen.as_vec3(); 2], time_ns, uncertainty_ns: 0, valid }
     }
 }
 

@@ -24,7 +24,7 @@ fn yaw(yaw_rad: f32) -> Vec3 {
 }
 
 fn sample(direction: Vec3, time_ns: i64) -> GazeSample {
-    GazeSample { directions: [direction; 2], time_ns, valid: true }
+    GazeSample { directions: [direction; 2], time_ns, uncertainty_ns: 0, valid: true }
 }
 
 /// A tracker after a second of fixation at the centre of the view, a sample each 10 ms, the last of them at `end`.
@@ -104,7 +104,7 @@ fn losses() -> Vec<Case> {
     let missing = |time_ns| GazeSample { valid: false, ..sample(Vec3::NEG_Z, time_ns) };
     let blinking = |ms: i64| {
         let mut tracker = fixating(0);
-        tracker.push(&missing(10 * MS));
+        tracker.push(&missing(40 * MS));
         told(tracker.state(ms * MS))
     };
     let mut never = GazeTracker::new(GazeSettings::default());
@@ -126,8 +126,8 @@ fn losses() -> Vec<Case> {
 fn directions() -> Vec<Case> {
     let after = |directions: [Vec3; 2]| {
         let mut tracker = fixating(0);
-        tracker.push(&GazeSample { directions, time_ns: 10 * MS, valid: true });
-        told(tracker.state(10 * MS))
+        tracker.push(&GazeSample { directions, ..sample(Vec3::NEG_Z, 10 * MS) });
+        told(tracker.state(60 * MS))
     };
     let held = [
         ("both directions zero", [Vec3::ZERO; 2]),

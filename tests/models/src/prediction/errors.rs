@@ -100,7 +100,8 @@ fn reports(path: &Movements, rate_hz: f64, delay_s: f64, seed: u64) -> Vec<Repor
         let (right, up) = truth.any_orthonormal_pair();
         let noise = [right, up].map(|axis| axis * random.normal() * NOISE_DEG.to_radians());
         let seen = (truth + noise[0] + noise[1]).normalize().as_vec3();
-        let sample = GazeSample { directions: [seen; 2], time_ns: nanoseconds(t), valid: true };
+        let sample =
+            GazeSample { directions: [seen; 2], time_ns: nanoseconds(t), uncertainty_ns: 0, valid: true };
         Report { sample, known_s: t + delay_s }
     };
     (0..(DURATION_S * rate_hz) as u32).map(report).collect()

@@ -41,6 +41,7 @@ impl Session {
             let look = left_up.map_or(Look::Unseen, |left_up| Look::At {
                 direction: direction(left_up),
                 sampled_ns: self.time_ns,
+                uncertainty_ns: 0,
             });
             corrected = self.correcting.corrected(source, look, self.time_ns);
         }
@@ -73,7 +74,8 @@ impl Session {
             if shown.last() != Some(&dot) {
                 shown.push(dot);
             }
-            let look = Look::At { direction: direction(tracker(dot)), sampled_ns: self.time_ns };
+            let look =
+                Look::At { direction: direction(tracker(dot)), sampled_ns: self.time_ns, uncertainty_ns: 0 };
             self.correcting.corrected(ActiveGazeSource::Eyes, look, self.time_ns);
         }
         let done = self.requests.poll();
@@ -113,7 +115,7 @@ fn a_measured_offset_is_removed_in_this_session_and_in_later_ones_of_the_source(
         "another tracker"
     );
     let (correcting, _later) = requests(&session.environment);
-    let look = Look::At { direction: direction([3.0, -1.0]), sampled_ns: 1 };
+    let look = Look::At { direction: direction([3.0, -1.0]), sampled_ns: 1, uncertainty_ns: 0 };
     assert!(is_near(angles(correcting.corrected(ActiveGazeSource::Eyes, look, 1)), [0.0, 0.0]));
     // A second measurement is of the tracker itself, without the first correction.
     let again = session.measure(2, ActiveGazeSource::Eyes, Some([3.5, -1.0]));
@@ -191,7 +193,7 @@ fn a_calibration_removes_a_distortion_and_an_offset_is_measured_after_it() {
     }
     // A later session has both.
     let (correcting, _later) = requests(&session.environment);
-    let look = Look::At { direction: direction([left + 1.5, up]), sampled_ns: 1 };
+    let look = Look::At { direction: direction([left + 1.5, up]), sampled_ns: 1, uncertainty_ns: 0 };
     assert!(is_near(angles(correcting.corrected(ActiveGazeSource::Eyes, look, 1)), [0.0, 0.0]));
     // A reset removes both.
     GazeCorrection::remove_all(&session.environment).unwrap();
@@ -234,7 +236,11 @@ fn a_slip_is_a_drift_until_the_eye_tracker_is_recentred() {
             // A new point every third of a second.
             let fixation = session.time_ns / (1_000_000_000 / 3);
             let [left, up] = [fixation % 7 - 3, fixation % 5 - 2].map(|step| step as f32 * 3.0);
-            let look = Look::At { direction: direction([left + slip, up]), sampled_ns: session.time_ns };
+            let look = Look::At {
+                direction: direction([left + slip, up]),
+                sampled_ns: session.time_ns,
+                uncertainty_ns: 0,
+            };
             let look = session.correcting.corrected(ActiveGazeSource::Eyes, look, session.time_ns);
             session.correcting.note_phase(ActiveGazeSource::Eyes, look, GazePhase::Fixation, session.time_ns);
         }

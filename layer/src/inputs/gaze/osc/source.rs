@@ -4,7 +4,7 @@ use super::assembly::OscCounts;
 use super::listener::{Listener, NewestGaze};
 use super::message::Format;
 use crate::inputs::gaze::Look;
-use crate::inputs::gaze::auto::SampleTimes;
+use crate::inputs::gaze::auto::{PacketDelay, SampleTimes};
 use std::io::ErrorKind;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -96,18 +96,18 @@ impl OscSource {
         self.listener.is_some()
     }
 
-    /// The gaze for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
-    pub fn look(&mut self, time_ns: i64, latency_ns: i64) -> Look {
+    /// The gaze for a frame that is shown at `time_ns`.
+    pub fn look(&mut self, time_ns: i64, delay: PacketDelay) -> Look {
         match self.newest() {
-            Some(newest) => newest.look(&mut self.times, time_ns, latency_ns),
+            Some(newest) => newest.look(&mut self.times, time_ns, delay),
             None => Look::NoTracker,
         }
     }
 
     /// The same for the application, at times of its own.
-    pub fn application_look(&mut self, time_ns: i64, latency_ns: i64) -> Look {
+    pub fn application_look(&mut self, time_ns: i64, delay: PacketDelay) -> Look {
         match self.newest() {
-            Some(newest) => newest.look(&mut self.application_times, time_ns, latency_ns),
+            Some(newest) => newest.look(&mut self.application_times, time_ns, delay),
             None => Look::NoTracker,
         }
     }
@@ -142,11 +142,13 @@ impl NewestGaze {
         self.age.is_some_and(|age| age < ENDED)
     }
 
-    /// The gaze by this state, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
-    pub fn look(self, times: &mut SampleTimes, time_ns: i64, latency_ns: i64) -> Look {
+    /// The gaze by this state, for a frame that is shown at `time_ns`.
+    pub fn look(self, times: &mut SampleTimes, time_ns: i64, delay: PacketDelay) -> Look {
         let Some(age) = self.age.filter(|age| *age < ENDED) else { return Look::NoTracker };
-        let sampled_ns = times.of(self.look.serial, age.as_nanos() as i64, time_ns, latency_ns);
-        self.look.direction.map_or(Look::Unseen, |direction| Look::At { direction, sampled_ns })
+        let PacketDelay { delay_ns, uncertainty_ns } = delay;
+        let sampled_ns = times.of(self.look.serial, age.as_nanos() as i64, time_ns, delay_ns);
+        let at = |direction| Look::At { direction, sampled_ns, uncertainty_ns };
+        self.look.direction.map_or(Look::Unseen, at)
     }
 }
 
@@ -165,7 +167,7 @@ mod tests {
         assert!(!source.want(Some(address), 45.0, now + RETRY / 2).0);
         assert!(source.want(Some(address), 45.0, now + RETRY).0);
         assert!(!source.opened(address, fails(), now + RETRY), "known already");
-        assert_eq!(source.look(0, 0), Look::NoTracker);
+        assert_eq!(source.look(0, PacketDelay::ASSUMED), Look::NoTracker);
         // Another address is tried at once; nowhere, nothing is.
         let other = SocketAddr::from(([127, 0, 0, 1], 10));
         assert!(source.want(Some(other), 45.0, now + RETRY).0);
