@@ -30,6 +30,8 @@ pub struct Timing {
     pools: Table<vk::CommandPool, u64>,
     clock: OnceLock<Clock>,
     frames: Mutex<FrameTimes>,
+    /// Timestamps of submits that have not returned yet, by queue.
+    coming: Mutex<Vec<(vk::Queue, Unread)>>,
     unread: Mutex<Vec<Unread>>,
 }
 
@@ -84,6 +86,7 @@ impl Timing {
             pools: Table::default(),
             clock: OnceLock::new(),
             frames: Mutex::default(),
+            coming: Mutex::default(),
             unread: Mutex::default(),
         }
     }
@@ -135,17 +138,45 @@ impl Timing {
         Timer { valid_bits, ..Timer::default() }
     }
 
-    /// A command buffer with commands that take time is about to be submitted in that frame.
+    /// A command buffer of the application with commands that take time is about to be submitted to a queue in that frame. Its timestamps are
+    /// not read before [`Self::returned`]: queries that no submit has reset have no results.
+    pub fn submits(&self, timer: &Timer, frame: u64, queue: vk::Queue) {
+        if let Some(coming) = self.awaited(timer, frame, Work::Application) {
+            lock(&self.coming).push((queue, coming));
+        }
+    }
+
+    /// The application's submit to a queue has returned.
+    pub fn returned(&self, queue: vk::Queue, result: vk::Result) {
+        let mut coming = lock(&self.coming);
+        for (_, one) in coming.extract_if(.., |(of, _)| *of == queue) {
+            if result == vk::Result::SUCCESS {
+                lock(&self.unread).push(one);
+            } else {
+                lock(&self.frames).read(one.frame, one.work, None);
+            }
+        }
+    }
+
+    /// A command buffer of ours was submitted in that frame.
     pub fn submitted(&self, timer: &Timer, frame: u64, work: Work) {
+        if let Some(submitted) = self.awaited(timer, frame, work) {
+            lock(&self.unread).push(submitted);
+        }
+    }
+
+    /// The timestamps of a submitted command buffer, which the frame awaits from now on; `None` without any.
+    fn awaited(&self, timer: &Timer, frame: u64, work: Work) -> Option<Unread> {
         if timer.valid_bits == 0 {
-            return;
+            return None;
         }
         let Some(queries) = timer.queries.as_ref().filter(|_| timer.state == State::Whole) else {
             if self.is_wanted() {
                 lock(&self.frames).submitted_untimed(frame);
             }
-            return;
+            return None;
         };
+        let coming = lock(&self.coming).len();
         let mut unread = lock(&self.unread);
         let mut frames = lock(&self.frames);
         // The timer overwrites its earlier timestamps that were not read.
@@ -154,11 +185,12 @@ impl Timing {
             let Unread { frame, work, .. } = unread.swap_remove(index);
             frames.read(frame, work, None);
         }
-        if unread.len() < MOST_UNREAD {
+        if unread.len() + coming < MOST_UNREAD {
             frames.submitted(frame, work);
-            unread.push(Unread { queries: Arc::clone(queries), work, frame });
+            Some(Unread { queries: Arc::clone(queries), work, frame })
         } else {
             frames.submitted_untimed(frame);
+            None
         }
     }
 
@@ -201,6 +233,7 @@ impl Timing {
 
     /// Forgets all, before the device is destroyed.
     pub fn clear(&self) {
+        drop(std::mem::take(&mut *lock(&self.coming)));
         drop(std::mem::take(&mut *lock(&self.unread)));
     }
 
@@ -318,3 +351,6 @@ impl Timer {
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+mod tests;
