@@ -16,7 +16,7 @@ use super::table::Table;
 use crate::gpu::functions::Functions;
 use ash::vk;
 use frames::FrameTimes;
-use queries::Queries;
+use queries::{Queries, SparePools};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -29,6 +29,7 @@ pub struct Timing {
     /// Valid bits of timestamps (`timestampValidBits`), by command pool; pools without any are left out.
     pools: Table<vk::CommandPool, u64>,
     clock: OnceLock<Clock>,
+    spare: Arc<SparePools>,
     frames: Mutex<FrameTimes>,
     /// Timestamps of submits that have not returned yet, by queue.
     coming: Mutex<Vec<(vk::Queue, Unread)>>,
@@ -58,6 +59,8 @@ const MOST_UNREAD: usize = 256;
 pub struct Timer {
     /// Valid bits of timestamps (`timestampValidBits`) on its queues; 0: nothing is timed in it.
     valid_bits: u64,
+    /// Spare pools of its device; `None` where nothing is timed.
+    spare: Option<Arc<SparePools>>,
     queries: Option<Arc<Queries>>,
     state: State,
     /// Whether it may run twice at once, and would write the same timestamps from both.
@@ -85,6 +88,7 @@ impl Timing {
             is_wanted: AtomicBool::new(false),
             pools: Table::default(),
             clock: OnceLock::new(),
+            spare: Arc::default(),
             frames: Mutex::default(),
             coming: Mutex::default(),
             unread: Mutex::default(),
@@ -126,7 +130,7 @@ impl Timing {
     pub fn timer(&self, pool: vk::CommandPool, level: vk::CommandBufferLevel) -> Timer {
         let is_primary = level == vk::CommandBufferLevel::PRIMARY;
         let valid_bits = if is_primary { self.pools.get(pool).unwrap_or(0) } else { 0 };
-        Timer { valid_bits, ..Timer::default() }
+        self.timer_of(valid_bits)
     }
 
     /// For command buffers of our own, for queues of that family.
@@ -134,8 +138,12 @@ impl Timing {
         if self.is_cpu {
             return Timer::default();
         }
-        let valid_bits = self.clock(functions).valid_bits.get(family as usize).copied().unwrap_or(0);
-        Timer { valid_bits, ..Timer::default() }
+        self.timer_of(self.clock(functions).valid_bits.get(family as usize).copied().unwrap_or(0))
+    }
+
+    fn timer_of(&self, valid_bits: u64) -> Timer {
+        let spare = (valid_bits != 0).then(|| Arc::clone(&self.spare));
+        Timer { valid_bits, spare, ..Timer::default() }
     }
 
     /// A command buffer of the application with commands that take time is about to be submitted to a queue in that frame. Its timestamps are
@@ -187,6 +195,7 @@ impl Timing {
         }
         if unread.len() + coming < MOST_UNREAD {
             frames.submitted(frame, work);
+            queries.submitted();
             Some(Unread { queries: Arc::clone(queries), work, frame })
         } else {
             frames.submitted_untimed(frame);
@@ -235,6 +244,7 @@ impl Timing {
     pub fn clear(&self) {
         drop(std::mem::take(&mut *lock(&self.coming)));
         drop(std::mem::take(&mut *lock(&self.unread)));
+        self.spare.end();
     }
 
     fn clock(&self, functions: &Functions) -> &Clock {
@@ -265,16 +275,16 @@ impl Timing {
 }
 
 impl Timer {
-    /// A timer of this device, all of whose bits hold.
+    /// A timer of this device, all of whose bits hold, with queries.
     ///
     /// # Safety
     ///
     /// The device is live, and outlives the timer.
     #[cfg(test)]
-    pub unsafe fn of_tests(device: &ash::Device) -> Self {
+    pub unsafe fn of_tests(device: &ash::Device, timing: &Timing) -> Self {
         // SAFETY: as `# Safety` demands.
-        let queries = unsafe { Queries::new(device, u64::MAX) }.ok().map(Arc::new);
-        Self { valid_bits: u64::MAX, queries, ..Self::default() }
+        let queries = unsafe { Queries::new(device, &timing.spare, u64::MAX) }.ok().map(Arc::new);
+        Self { queries, ..timing.timer_of(u64::MAX) }
     }
 
     /// Resets the timer: the command buffer begins again.
@@ -317,9 +327,9 @@ impl Timer {
             return;
         }
         if self.queries.is_none() {
-            let Some(functions) = functions() else { return };
+            let Some((functions, spare)) = functions().zip(self.spare.as_ref()) else { return };
             // SAFETY: the device is live, and command buffers do not outlive it.
-            match unsafe { Queries::new(&functions.device, self.valid_bits) } {
+            match unsafe { Queries::new(&functions.device, spare, self.valid_bits) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),
                 Err(error) => {
                     error.log("frames are not timed");

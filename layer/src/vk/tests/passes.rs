@@ -236,7 +236,7 @@ fn dispatches_and_waits_begin_the_time_of_a_command_buffer() {
     for work in works {
         with_command_buffer(|handle, buffer| {
             // SAFETY: the device is never destroyed.
-            buffer.recorded().timer = unsafe { Timer::of_tests(&idle) };
+            buffer.recorded().timer = unsafe { Timer::of_tests(&idle, &buffer.armed.timing) };
             for is_wanted in [false, true] {
                 buffer.armed.timing.set_wanted(is_wanted);
                 work(handle);
