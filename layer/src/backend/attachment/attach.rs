@@ -71,7 +71,14 @@ impl RateAttachments {
         // SAFETY: the record is of a live device, as `# Safety` demands.
         let images = unsafe { RateImages::of_device(record, &enabled) };
         let images = images.inspect_err(|reason| tracing::info!("no rate attachments: {reason}")).ok()?;
-        let Enabled { capabilities, quirks, application_sets_rates, links_pipelines, .. } = enabled;
+        let Enabled {
+            capabilities,
+            quirks,
+            application_enables_rates,
+            application_sets_rates,
+            links_pipelines,
+            ..
+        } = enabled;
         let combiner = capabilities.combiner();
         Some(Self {
             capabilities,
@@ -83,7 +90,7 @@ impl RateAttachments {
             pipelines: Table::default(),
             set_rates: SetRates::new(combiner, application_sets_rates),
             shader_objects: Table::default(),
-            sets_rates_at_bind: application_sets_rates || links_pipelines,
+            sets_rates_at_bind: application_enables_rates || links_pipelines,
             rendering_is_left_alone: AtomicBool::new(false),
             attaches_only_matched: quirks.has(Effect::AttachOnlyMatched),
         })
