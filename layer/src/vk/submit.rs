@@ -9,7 +9,6 @@ use super::{device, recording, runtime_section};
 use crate::abi::copies::slice;
 use crate::abi::guard;
 use crate::pass_detection::{Event, How, Part, Pass, Unmasked};
-use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -35,7 +34,11 @@ pub unsafe extern "system" fn submit(
             // SAFETY: the queue is live, and this thread may use it: vkQueueSubmit demands external synchronisation.
             unsafe { prepare_or_leave(armed, known.is_active(), queue, buffers.copied()) };
         }
-        next()
+        let result = next();
+        if let Some(armed) = &known.armed {
+            armed.timing.returned(queue, result);
+        }
+        result
     })
 }
 
@@ -61,7 +64,11 @@ pub unsafe extern "system" fn submit2(
                 prepare_or_leave(armed, known.is_active(), queue, buffers.map(|info| info.command_buffer))
             };
         }
-        next()
+        let result = next();
+        if let Some(armed) = &known.armed {
+            armed.timing.returned(queue, result);
+        }
+        result
     })
 }
 
@@ -234,6 +241,6 @@ fn recognise_passes(
         }
     }
     if !recorded.events.is_empty() || recorded.timer.is_complete() {
-        armed.timing.submitted(&recorded.timer, log.frame(), Work::Application);
+        armed.timing.submits(&recorded.timer, log.frame(), queue);
     }
 }

@@ -75,7 +75,19 @@ fn create_device(
     chain: *const c_void,
     queues: u32,
 ) -> Result<vk::Device, vk::Result> {
-    let info = vk::DeviceCreateInfo { p_next: chain, queue_create_info_count: queues, ..Default::default() };
+    create_device_with(instance, chain, queues, &[])
+}
+
+/// The same with these extensions.
+fn create_device_with(
+    instance: vk::Instance,
+    chain: *const c_void,
+    queues: u32,
+    extensions: &[&CStr],
+) -> Result<vk::Device, vk::Result> {
+    let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
+    let info = vk::DeviceCreateInfo { p_next: chain, queue_create_info_count: queues, ..Default::default() }
+        .enabled_extension_names(&names);
     let mut device = vk::Device::null();
     let function = instance_function(instance, c"vkCreateDevice");
     let physical_device = fake::physical_device_of(instance);

@@ -16,7 +16,7 @@ use super::table::Table;
 use crate::gpu::functions::Functions;
 use ash::vk;
 use frames::FrameTimes;
-use queries::Queries;
+use queries::{Queries, SparePools};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -29,7 +29,10 @@ pub struct Timing {
     /// Valid bits of timestamps (`timestampValidBits`), by command pool; pools without any are left out.
     pools: Table<vk::CommandPool, u64>,
     clock: OnceLock<Clock>,
+    spare: Arc<SparePools>,
     frames: Mutex<FrameTimes>,
+    /// Timestamps of submits that have not returned yet, by queue.
+    coming: Mutex<Vec<(vk::Queue, Unread)>>,
     unread: Mutex<Vec<Unread>>,
 }
 
@@ -56,6 +59,8 @@ const MOST_UNREAD: usize = 256;
 pub struct Timer {
     /// Valid bits of timestamps (`timestampValidBits`) on its queues; 0: nothing is timed in it.
     valid_bits: u64,
+    /// Spare pools of its device; `None` where nothing is timed.
+    spare: Option<Arc<SparePools>>,
     queries: Option<Arc<Queries>>,
     state: State,
     /// Whether it may run twice at once, and would write the same timestamps from both.
@@ -83,7 +88,9 @@ impl Timing {
             is_wanted: AtomicBool::new(false),
             pools: Table::default(),
             clock: OnceLock::new(),
+            spare: Arc::default(),
             frames: Mutex::default(),
+            coming: Mutex::default(),
             unread: Mutex::default(),
         }
     }
@@ -123,7 +130,7 @@ impl Timing {
     pub fn timer(&self, pool: vk::CommandPool, level: vk::CommandBufferLevel) -> Timer {
         let is_primary = level == vk::CommandBufferLevel::PRIMARY;
         let valid_bits = if is_primary { self.pools.get(pool).unwrap_or(0) } else { 0 };
-        Timer { valid_bits, ..Timer::default() }
+        self.timer_of(valid_bits)
     }
 
     /// For command buffers of our own, for queues of that family.
@@ -131,21 +138,53 @@ impl Timing {
         if self.is_cpu {
             return Timer::default();
         }
-        let valid_bits = self.clock(functions).valid_bits.get(family as usize).copied().unwrap_or(0);
-        Timer { valid_bits, ..Timer::default() }
+        self.timer_of(self.clock(functions).valid_bits.get(family as usize).copied().unwrap_or(0))
     }
 
-    /// A command buffer with commands that take time is about to be submitted in that frame.
+    fn timer_of(&self, valid_bits: u64) -> Timer {
+        let spare = (valid_bits != 0).then(|| Arc::clone(&self.spare));
+        Timer { valid_bits, spare, ..Timer::default() }
+    }
+
+    /// A command buffer of the application with commands that take time is about to be submitted to a queue in that frame. Its timestamps are
+    /// not read before [`Self::returned`]: queries that no submit has reset have no results.
+    pub fn submits(&self, timer: &Timer, frame: u64, queue: vk::Queue) {
+        if let Some(coming) = self.awaited(timer, frame, Work::Application) {
+            lock(&self.coming).push((queue, coming));
+        }
+    }
+
+    /// The application's submit to a queue has returned.
+    pub fn returned(&self, queue: vk::Queue, result: vk::Result) {
+        let mut coming = lock(&self.coming);
+        for (_, one) in coming.extract_if(.., |(of, _)| *of == queue) {
+            if result == vk::Result::SUCCESS {
+                lock(&self.unread).push(one);
+            } else {
+                lock(&self.frames).read(one.frame, one.work, None);
+            }
+        }
+    }
+
+    /// A command buffer of ours was submitted in that frame.
     pub fn submitted(&self, timer: &Timer, frame: u64, work: Work) {
+        if let Some(submitted) = self.awaited(timer, frame, work) {
+            lock(&self.unread).push(submitted);
+        }
+    }
+
+    /// The timestamps of a submitted command buffer, which the frame awaits from now on; `None` without any.
+    fn awaited(&self, timer: &Timer, frame: u64, work: Work) -> Option<Unread> {
         if timer.valid_bits == 0 {
-            return;
+            return None;
         }
         let Some(queries) = timer.queries.as_ref().filter(|_| timer.state == State::Whole) else {
             if self.is_wanted() {
                 lock(&self.frames).submitted_untimed(frame);
             }
-            return;
+            return None;
         };
+        let coming = lock(&self.coming).len();
         let mut unread = lock(&self.unread);
         let mut frames = lock(&self.frames);
         // The timer overwrites its earlier timestamps that were not read.
@@ -154,11 +193,13 @@ impl Timing {
             let Unread { frame, work, .. } = unread.swap_remove(index);
             frames.read(frame, work, None);
         }
-        if unread.len() < MOST_UNREAD {
+        if unread.len() + coming < MOST_UNREAD {
             frames.submitted(frame, work);
-            unread.push(Unread { queries: Arc::clone(queries), work, frame });
+            queries.submitted();
+            Some(Unread { queries: Arc::clone(queries), work, frame })
         } else {
             frames.submitted_untimed(frame);
+            None
         }
     }
 
@@ -201,7 +242,9 @@ impl Timing {
 
     /// Forgets all, before the device is destroyed.
     pub fn clear(&self) {
+        drop(std::mem::take(&mut *lock(&self.coming)));
         drop(std::mem::take(&mut *lock(&self.unread)));
+        self.spare.end();
     }
 
     fn clock(&self, functions: &Functions) -> &Clock {
@@ -232,16 +275,16 @@ impl Timing {
 }
 
 impl Timer {
-    /// A timer of this device, all of whose bits hold.
+    /// A timer of this device, all of whose bits hold, with queries.
     ///
     /// # Safety
     ///
     /// The device is live, and outlives the timer.
     #[cfg(test)]
-    pub unsafe fn of_tests(device: &ash::Device) -> Self {
+    pub unsafe fn of_tests(device: &ash::Device, timing: &Timing) -> Self {
         // SAFETY: as `# Safety` demands.
-        let queries = unsafe { Queries::new(device, u64::MAX) }.ok().map(Arc::new);
-        Self { valid_bits: u64::MAX, queries, ..Self::default() }
+        let queries = unsafe { Queries::new(device, &timing.spare, u64::MAX) }.ok().map(Arc::new);
+        Self { queries, ..timing.timer_of(u64::MAX) }
     }
 
     /// Resets the timer: the command buffer begins again.
@@ -284,9 +327,9 @@ impl Timer {
             return;
         }
         if self.queries.is_none() {
-            let Some(functions) = functions() else { return };
+            let Some((functions, spare)) = functions().zip(self.spare.as_ref()) else { return };
             // SAFETY: the device is live, and command buffers do not outlive it.
-            match unsafe { Queries::new(&functions.device, self.valid_bits) } {
+            match unsafe { Queries::new(&functions.device, spare, self.valid_bits) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),
                 Err(error) => {
                     error.log("frames are not timed");
@@ -318,3 +361,6 @@ impl Timer {
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+mod tests;

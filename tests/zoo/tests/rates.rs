@@ -64,11 +64,18 @@ fn main() -> ExitCode {
     let matched = ATTACHED_ONCE_MATCHED.into_iter().map(|name| {
         trial(format!("{name}, attached once matched"), move || check_attached_once_matched(name))
     });
+    let off = trial("dynamic-rendering, not attached while rates are off", check_not_attached_while_off);
     let with_holes = WITH_HOLES
         .into_iter()
         .map(|case| trial(format!("{}, draws with holes", case.0), move || check_holes(case)));
     let by_viewport = trial("viewport-scale, around the gaze", check_viewport_scale);
-    let all = trials.chain([by_viewport]).chain(reused).chain(left_alone).chain(matched).chain(with_holes);
+    let all = trials
+        .chain([by_viewport])
+        .chain(reused)
+        .chain(left_alone)
+        .chain(matched)
+        .chain([off])
+        .chain(with_holes);
     libtest_mimic::run(&Arguments::from_args(), all.collect()).exit_code()
 }
 
@@ -205,15 +212,7 @@ const ATTACHED_ONCE_MATCHED: [&str; 2] = ["dynamic-rendering", "proton"];
 /// On a device where an attachment alone costs time, passes have one from the frame on in which they are known.
 fn check_attached_once_matched(name: &str) -> Result<(), Failed> {
     let style = parafovea_zoo::style(name).ok_or("no such style")?;
-    let outcome = Run::new(&application(style, SHARE)?, &SHARE.scenario())
-        .driver(driver(style))
-        .validated_from(style.headers)
-        .shading_rates(ShadingRateProfile::NvkTuring)
-        .env("PARAFOVEA_QUIRKS", "attach-only-matched,none-such")
-        .on(FIXED_RINGS)
-        .finish()?;
-    skip_unless_run(&outcome);
-    let outcome = outcome.expect_frames(SHARE.frames)?;
+    let outcome = run_attached_once_matched(style, FIXED_RINGS)?;
     for says in [
         "quirk attach-only-matched: ",
         "PARAFOVEA_QUIRKS: unknown quirk none-such; allowed: attach-only-matched",
@@ -231,6 +230,30 @@ fn check_attached_once_matched(name: &str) -> Result<(), Failed> {
     let scene_passes = 2 * SHARE.frames;
     assert!((seen.len() as u64) < scene_passes, "{} passes have an attachment", seen.len());
     Ok(())
+}
+
+/// On such a device, recognised passes have none either while rates are off.
+fn check_not_attached_while_off() -> Result<(), Failed> {
+    let style = parafovea_zoo::style("dynamic-rendering").ok_or("no such style")?;
+    let outcome = run_attached_once_matched(style, "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"off\"\n")?;
+    assert!(outcome.log.contains("session active"), "{}", outcome.log);
+    let (findings, seen) = lines(outcome.shading_rates()?);
+    assert_eq!(findings, []);
+    assert_eq!(seen.len(), 0, "passes with an attachment: {seen:#?}");
+    Ok(())
+}
+
+/// On a device where an attachment alone costs time.
+fn run_attached_once_matched(style: &Style, config: &str) -> Result<Outcome, Failed> {
+    let outcome = Run::new(&application(style, SHARE)?, &SHARE.scenario())
+        .driver(driver(style))
+        .validated_from(style.headers)
+        .shading_rates(ShadingRateProfile::NvkTuring)
+        .env("PARAFOVEA_QUIRKS", "attach-only-matched,none-such")
+        .on(config)
+        .finish()?;
+    skip_unless_run(&outcome);
+    Ok(outcome.expect_frames(SHARE.frames)?)
 }
 
 fn run(

@@ -44,8 +44,8 @@ pub struct RateAttachments {
     pub sets_rates_at_bind: bool,
     /// Whether dynamic rendering gets no attachments any more.
     rendering_is_left_alone: AtomicBool,
-    /// Whether dynamic rendering gets an attachment only where its target was recognised as the scene, and render passes only in subpasses with
-    /// depth.
+    /// Whether dynamic rendering gets an attachment only where its target was recognised as the scene and rates are on, and render passes only in
+    /// subpasses with depth.
     attaches_only_matched: bool,
 }
 
@@ -71,7 +71,14 @@ impl RateAttachments {
         // SAFETY: the record is of a live device, as `# Safety` demands.
         let images = unsafe { RateImages::of_device(record, &enabled) };
         let images = images.inspect_err(|reason| tracing::info!("no rate attachments: {reason}")).ok()?;
-        let Enabled { capabilities, quirks, application_sets_rates, links_pipelines, .. } = enabled;
+        let Enabled {
+            capabilities,
+            quirks,
+            application_enables_rates,
+            application_sets_rates,
+            links_pipelines,
+            ..
+        } = enabled;
         let combiner = capabilities.combiner();
         Some(Self {
             capabilities,
@@ -83,7 +90,7 @@ impl RateAttachments {
             pipelines: Table::default(),
             set_rates: SetRates::new(combiner, application_sets_rates),
             shader_objects: Table::default(),
-            sets_rates_at_bind: application_sets_rates || links_pipelines,
+            sets_rates_at_bind: application_enables_rates || links_pipelines,
             rendering_is_left_alone: AtomicBool::new(false),
             attaches_only_matched: quirks.has(Effect::AttachOnlyMatched),
         })
@@ -314,6 +321,7 @@ impl RateAttachments {
 
     /// Calls `begin` with the amended dynamic rendering, and returns the rate image that it reads, or would read
     /// once its target is recognised. `target` is the first colour target; passes without one that is known are left alone.
+    /// `is_on`: whether recognised passes get rates now.
     ///
     /// # Safety
     ///
@@ -321,7 +329,7 @@ impl RateAttachments {
     pub unsafe fn begin_rendering(
         &self,
         info: *const vk::RenderingInfo<'_>,
-        target: FirstColour,
+        (target, is_on): (FirstColour, bool),
         begin: impl FnOnce(*const vk::RenderingInfo<'_>),
     ) -> Option<Arc<RateImage>> {
         // SAFETY: the pointer is valid, by the valid usage of vkCmdBeginRendering, for the time of the call.
@@ -339,7 +347,7 @@ impl RateAttachments {
         let depth = unsafe { asked.p_depth_attachment.as_ref() };
         let has_depth = depth.is_some_and(|depth| depth.image_view != vk::ImageView::null());
         let is_matched = image.is_matched(has_depth) && !rendering::is_suspended(asked);
-        if self.attaches_only_matched && !is_matched {
+        if self.attaches_only_matched && !(is_matched && is_on) {
             begin(info);
             return Some(image);
         }

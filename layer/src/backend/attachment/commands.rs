@@ -26,7 +26,7 @@ pub struct SetRates {
     recorded: Table<vk::CommandBuffer, Recorded>,
     /// The second combiner of pipelines that obey the attachment.
     combiner: Combiner,
-    /// Whether the application enables rates itself, so that it sets them where it must.
+    /// Whether the application enables rates of its own, so that it sets them where it must.
     by_application: bool,
 }
 

@@ -33,6 +33,8 @@ pub unsafe fn instance<'c>(
     })
 }
 
+type Features<'a> = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR<'a>;
+
 /// The extensions and features of a created device.
 #[derive(Clone, Debug)]
 pub struct Enabled {
@@ -45,6 +47,8 @@ pub struct Enabled {
     /// Whether `VK_KHR_image_format_list` is available.
     pub has_format_lists: bool,
     /// Whether the application enables the extension itself.
+    pub application_enables_rates: bool,
+    /// Whether it enables the feature, too, with which it has to set a rate before it draws with shader objects.
     pub application_sets_rates: bool,
     /// Whether pipelines may be linked from parts.
     pub links_pipelines: bool,
@@ -71,9 +75,9 @@ pub unsafe fn device<'c>(
     copies: &mut Copies<'_>,
 ) -> Result<(vk::DeviceCreateInfo<'c>, Enabled), NoRates> {
     // SAFETY: the chain is valid, as `# Safety` demands.
-    let (excluding, libraries) = unsafe {
+    let (excluding, libraries, own_rates) = unsafe {
         let libraries = find::<vk::PhysicalDeviceGraphicsPipelineLibraryFeaturesEXT<'_>>(info.p_next);
-        (excluding(info), libraries)
+        (excluding(info), libraries, find::<Features<'_>>(info.p_next).copied())
     };
     if let Some(other) = excluding {
         return Err(NoRates::Excluded(other));
@@ -116,7 +120,8 @@ pub unsafe fn device<'c>(
         quirks,
         families,
         has_format_lists,
-        application_sets_rates: names.has(vk::KHR_FRAGMENT_SHADING_RATE_NAME),
+        application_enables_rates: names.has(vk::KHR_FRAGMENT_SHADING_RATE_NAME),
+        application_sets_rates: own_rates.is_some_and(|own| own.pipeline_fragment_shading_rate == vk::TRUE),
         links_pipelines: libraries.is_some_and(|found| found.graphics_pipeline_library == vk::TRUE),
     };
     Ok((amended, enabled))
@@ -157,7 +162,6 @@ unsafe fn excluding(info: &vk::DeviceCreateInfo<'_>) -> Option<&'static str> {
 ///
 /// The chain is valid and outlives `copies`.
 unsafe fn with_features(p_next: *const std::ffi::c_void, copies: &mut Copies<'_>) -> *const std::ffi::c_void {
-    type Features<'a> = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR<'a>;
     let enable = |features: &mut Features<'_>| {
         features.pipeline_fragment_shading_rate = vk::TRUE;
         features.attachment_fragment_shading_rate = vk::TRUE;

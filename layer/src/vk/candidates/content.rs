@@ -18,6 +18,8 @@ pub struct Content {
     uses: SmallVec<[Use; MOST_USES]>,
     /// Whether the GPU's map has any content.
     is_initialised: bool,
+    /// Whether it had any before the last upload.
+    was_initialised: bool,
     /// Whether the map on the GPU is 1x1 all over.
     is_coarse: bool,
     /// Whether `uses` changed since the last upload.
@@ -133,10 +135,19 @@ impl Content {
                 false => held.clear(),
             }
         }
-        self.is_initialised = true;
+        self.was_initialised = std::mem::replace(&mut self.is_initialised, true);
         self.is_changed = false;
         self.is_coarse = !self.is_shared && self.uses.iter().any(|used| !used.parts.is_empty());
         self.plan = plan;
+    }
+
+    /// The last upload failed: the map on the GPU is as it was before, and has to be written again.
+    pub fn upload_failed(&mut self) {
+        self.lose();
+        self.is_initialised = self.was_initialised;
+        self.is_changed = true;
+        // It may be, by the upload before.
+        self.is_coarse = true;
     }
 
     /// Whether the map on the GPU has stale tiles, so that no other picture may be drawn with it.

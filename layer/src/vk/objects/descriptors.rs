@@ -53,7 +53,7 @@ struct Held {
 }
 
 /// Most kept sets. Sets go with their pool without being named, so that beyond this number the sets of former pools are swept out; if more than
-/// half of it stay, all sets are unknown from then on.
+/// half of it stay, all sets are unknown from then on, and none is kept any more.
 const MOST_SETS: usize = 1 << 16;
 
 /// Least length of an array of all textures, with reads of unknown elements.
@@ -62,7 +62,7 @@ const LONG: u32 = 32;
 impl Descriptors {
     /// Whether a set may have attachments.
     pub fn may_read(&self, set: vk::DescriptorSet) -> bool {
-        self.set_filter.may_have(set.as_raw()) || self.is_overrun.load(Ordering::Relaxed)
+        self.set_filter.may_have(set.as_raw()) || self.is_overrun()
     }
 
     /// Whether a set may have known attachments.
@@ -72,7 +72,10 @@ impl Descriptors {
 
     /// Adds the attachments that draws may read by a set.
     pub fn read(&self, set: vk::DescriptorSet, reads: &mut Reads) {
-        reads.may_read_more |= self.is_overrun.load(Ordering::Relaxed);
+        if self.is_overrun() {
+            reads.may_read_more = true;
+            return;
+        }
         let Some(held) = self.sets.get(set) else { return };
         reads.may_read_more |= held.is_open;
         held.images.iter().for_each(|(_, _, image)| reads.push(*image));
@@ -105,6 +108,9 @@ impl Descriptors {
         sets: &[vk::DescriptorSet],
         layouts: &[vk::DescriptorSetLayout],
     ) {
+        if self.is_overrun() {
+            return;
+        }
         let of_pool = self.pools.get(pool).unwrap_or_else(|| self.pools.get_or_insert(pool, Arc::default()));
         of_pool.lock().unwrap_or_else(PoisonError::into_inner).add(sets);
         for (set, layout) in sets.iter().zip(layouts) {
@@ -119,6 +125,9 @@ impl Descriptors {
 
     /// Sets of a pool are freed.
     pub fn free_sets(&self, pool: vk::DescriptorPool, sets: &[vk::DescriptorSet]) {
+        if self.is_overrun() {
+            return;
+        }
         if let Some(of_pool) = self.pools.get(pool) {
             of_pool.lock().unwrap_or_else(PoisonError::into_inner).freed.extend_from_slice(sets);
         }
@@ -135,6 +144,11 @@ impl Descriptors {
     /// A pool is gone, with all of its sets.
     pub fn forget_pool(&self, pool: vk::DescriptorPool) {
         self.pools.remove(pool);
+    }
+
+    /// Whether all sets are unknown.
+    fn is_overrun(&self) -> bool {
+        self.is_overrun.load(Ordering::Relaxed)
     }
 
     fn forget(&self, set: vk::DescriptorSet) {
@@ -154,6 +168,9 @@ impl Descriptors {
 
     /// A set gets unknown content.
     pub fn open(&self, set: vk::DescriptorSet) {
+        if self.is_overrun() {
+            return;
+        }
         if !self.set_filter.may_have(set.as_raw()) || !self.sets.is(set, Held::is_nothing_but_open) {
             self.keep_open(set);
         }
@@ -168,6 +185,9 @@ impl Descriptors {
             self.set_filter.add(set.as_raw());
             if self.kept.fetch_add(1, Ordering::Relaxed) >= MOST_SETS {
                 self.sweep();
+                if self.is_overrun() {
+                    return;
+                }
             }
         }
         match (known.is_some_and(|known| !known.images.is_empty()), !held.images.is_empty()) {
@@ -198,13 +218,14 @@ impl Descriptors {
             for (set, held) in self.sets.remove_where(|_, _| true) {
                 self.forgot(set, &held);
             }
+            drop(self.pools.remove_where(|_, _| true));
         }
         self.is_sweeping.store(false, Ordering::Release);
     }
 
     /// One element of a binding is written.
     pub fn write(&self, set: vk::DescriptorSet, at: (u32, u32), image: Option<ImageKey>) {
-        if image.is_none() && !self.may_read(set) {
+        if self.is_overrun() || (image.is_none() && !self.may_read(set)) {
             return;
         }
         let known = self.sets.get(set);
@@ -327,18 +348,31 @@ mod tests {
         }
         assert!(descriptors.kept.load(Ordering::Relaxed) <= MOST_SETS + 1);
         assert_eq!(read(&descriptors, set(64)), (vec![7], true), "of the pool that lives");
-        assert!(!descriptors.is_overrun.load(Ordering::Relaxed));
+        assert!(!descriptors.is_overrun());
         assert_eq!(descriptors.sets.all().len(), descriptors.kept.load(Ordering::Relaxed));
     }
 
     #[test]
     fn ever_more_live_sets_are_unknown() {
         let descriptors = Descriptors::default();
-        for number in 1..MOST_SETS as u64 + 3 {
-            descriptors.add_sets(pool(1), &[set(number * 64)], &[vk::DescriptorSetLayout::null()]);
-            descriptors.write(set(number * 64), (0, 0), Some(ImageKey(7)));
+        let open_layout = vk::DescriptorSetLayout::from_raw(1);
+        descriptors.add_layout(open_layout, true);
+        let mut numbers = 1..;
+        let mut write_more = |layout| {
+            for number in numbers.by_ref().take(MOST_SETS + 2) {
+                descriptors.add_sets(pool(1), &[set(number * 64)], &[layout]);
+                descriptors.write(set(number * 64), (0, 0), Some(ImageKey(7)));
+                descriptors.open(set(number * 64));
+            }
+            assert!(descriptors.may_read(set(1)) && read(&descriptors, set(1)).1);
+            (descriptors.sweeps.load(Ordering::Relaxed), descriptors.sets.all().len())
+        };
+        let (sweeps, kept) = write_more(vk::DescriptorSetLayout::null());
+        assert_eq!((sweeps, kept), (1, 0));
+        for layout in [vk::DescriptorSetLayout::null(), open_layout, open_layout] {
+            assert_eq!(write_more(layout), (sweeps, kept), "nothing is kept or swept any more");
         }
-        assert!(descriptors.may_read(set(1)) && read(&descriptors, set(1)).1);
+        assert!(descriptors.pools.all().is_empty());
     }
 
     #[test]

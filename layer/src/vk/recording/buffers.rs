@@ -199,7 +199,7 @@ pub unsafe extern "system" fn begin(
             known.recorded().clear();
         }
         if is_tracked {
-            draws::recording_begins(handle);
+            draws::recording_begins(&known, handle);
             // SAFETY: the pointer is valid, by valid usage, which demands the inheritance of a secondary command buffer.
             if !known.is_primary && unsafe { heaps::are_inherited(&*info) } {
                 draws::bind_unknown(handle);
@@ -268,7 +268,7 @@ pub unsafe extern "system" fn execute(
             }
             next();
             let Some(known) = known else { return };
-            draws::recording_begins(handle);
+            draws::recording_begins(&known, handle);
             let mut recorded = known.recorded();
             // SAFETY: valid usage demands `count` command buffers.
             for secondary in unsafe { slice(secondaries, count) } {

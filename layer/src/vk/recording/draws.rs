@@ -55,6 +55,8 @@ pub struct Tally {
     reads: [Reads; 2],
     /// The thread that counts; 0: none yet.
     thread: usize,
+    /// The last thread that is known to have recorded the command buffer; 0: none.
+    recorder: usize,
     /// Whether draws were counted on several threads, and some counts are lost.
     is_lost: bool,
 }
@@ -76,7 +78,8 @@ impl Tally {
 
     /// All of a pass that ends; `None` if some are lost.
     pub fn finish(&mut self) -> Option<Draws> {
-        let Self { counts, reads, is_lost, .. } = std::mem::take(self);
+        let next = Self { recorder: self.recorder, ..Self::default() };
+        let Self { counts, reads, is_lost, .. } = std::mem::replace(self, next);
         let Counts { quads, meshes, vertices } = counts;
         let [read_by_quads, read_by_meshes] = reads;
         (!is_lost).then_some(Draws { quads, meshes, vertices, read_by_quads, read_by_meshes })
@@ -85,6 +88,21 @@ impl Tally {
 
 /// Numbers of sets that are followed: the limit of common devices (maxBoundDescriptorSets).
 const SETS: usize = 8;
+
+/// The bound sets of a command buffer.
+#[derive(Clone, Copy)]
+struct Bound {
+    /// The command buffer; 0: none.
+    within: u64,
+    /// As [`Open::sets`].
+    sets: [u64; SETS],
+    /// As [`Open::is_unknown`].
+    is_unknown: bool,
+}
+
+impl Bound {
+    const NOTHING: Self = Self { within: 0, sets: [0; SETS], is_unknown: false };
+}
 
 /// The counts of the thread, and its bound sets.
 struct Open {
@@ -97,7 +115,9 @@ struct Open {
     sets: [Cell<u64>; SETS],
     /// Whether something is bound that is not among `sets`.
     is_unknown: Cell<bool>,
-    /// Whether any of that is bound.
+    /// The bound sets of the command buffer before that one: uploads are often recorded beside a frame.
+    kept: Cell<Bound>,
+    /// Whether any of that is bound, or the bound sets are not those of the pass.
     may_read: Cell<bool>,
     /// Whether the bound sets were noted as read by quads, and by other draws, but for unknown content.
     noted: [Cell<bool>; 2],
@@ -113,6 +133,7 @@ thread_local! {
             bound_in: Cell::new(0),
             sets: [const { Cell::new(0) }; SETS],
             is_unknown: Cell::new(false),
+            kept: Cell::new(Bound::NOTHING),
             may_read: Cell::new(false),
             noted: [const { Cell::new(false) }; 2],
             has_unknown: [const { Cell::new(false) }; 2],
@@ -128,27 +149,52 @@ impl Open {
 
     /// Nothing is bound in a command buffer, or something unknown.
     fn forget_bound(&self, raw: u64, is_unknown: bool) {
-        self.bound_in.set(raw);
-        self.sets.iter().for_each(|set| set.set(0));
-        self.is_unknown.set(is_unknown);
+        if self.bound_in.get() != raw {
+            self.kept.set(self.bound());
+        }
+        self.take_bound(Bound { within: raw, is_unknown, ..Bound::NOTHING });
+    }
+
+    /// The thread goes on in a command buffer, with the sets that it bound there before.
+    fn turn_to(&self, raw: u64) {
+        if self.bound_in.get() != raw {
+            let kept = self.kept.replace(self.bound());
+            let unknown = Bound { within: raw, is_unknown: true, ..Bound::NOTHING };
+            self.take_bound(if kept.within == raw { kept } else { unknown });
+        }
+    }
+
+    fn bound(&self) -> Bound {
+        let sets = self.sets.each_ref().map(Cell::get);
+        Bound { within: self.bound_in.get(), sets, is_unknown: self.is_unknown.get() }
+    }
+
+    fn take_bound(&self, bound: Bound) {
+        self.bound_in.set(bound.within);
+        self.sets.iter().zip(bound.sets).for_each(|(set, bound)| set.set(bound));
+        self.is_unknown.set(bound.is_unknown);
         self.is_bound_anew(true);
     }
 
     /// Updates the flags after other sets were bound, with known attachments or without. A pass with noted unknown reads learns nothing from more
     /// of them: with sets of unknown content, as DXVK has, each draw would be noted.
     fn is_bound_anew(&self, names_attachments: bool) {
-        self.may_read.set(self.is_unknown.get() || self.sets.iter().any(|set| set.get() != 0));
+        let is_elsewhere = ![0, self.bound_in.get()].contains(&self.handle.get());
+        let is_any_bound = self.is_unknown.get() || self.sets.iter().any(|set| set.get() != 0);
+        self.may_read.set(is_elsewhere || is_any_bound);
         for (noted, has_unknown) in self.noted.iter().zip(&self.has_unknown) {
-            noted.set(noted.get() && has_unknown.get() && !names_attachments);
+            noted.set(noted.get() && has_unknown.get() && !names_attachments && !is_elsewhere);
         }
     }
 
-    /// The thread draws in a command buffer, with the sets that it bound there before.
-    fn draws_in(&self, raw: u64) {
-        if self.bound_in.get() != raw {
-            self.forget_bound(raw, true);
-        }
-        self.noted.iter().chain(&self.has_unknown).for_each(|flag| flag.set(false));
+    /// The thread draws in a pass of a command buffer, with the sets that it bound there before. Returns the command buffer of its last pass, and
+    /// the counts of that.
+    fn draws_in(&self, raw: u64) -> (u64, Counts) {
+        let before = (self.handle.replace(raw), self.counts.replace(Counts::default()));
+        self.turn_to(raw);
+        self.has_unknown.iter().for_each(|flag| flag.set(false));
+        self.is_bound_anew(true);
+        before
     }
 }
 
@@ -183,8 +229,9 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
 }
 
 /// Notes the bound sets as read by a kind of draws.
-fn add_reads(of: &Buffer, more: Counts) {
+fn add_reads(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
     let _ = OPEN.try_with(|open| {
+        open.turn_to(handle.as_raw());
         let kind = usize::from(more.meshes > 0);
         open.noted[kind].set(true);
         let reads = &mut of.recorded().tally.reads[kind];
@@ -197,18 +244,23 @@ fn add_reads(of: &Buffer, more: Counts) {
 }
 
 /// Recording of a command buffer begins, or goes on after secondaries: nothing is bound.
-pub fn recording_begins(handle: vk::CommandBuffer) {
+pub fn recording_begins(of: &Buffer, handle: vk::CommandBuffer) {
     // SAFETY: a live command buffer, as it is recorded.
     let is_followed = unsafe { cached_device(handle) }.is_some();
-    let _ = OPEN.try_with(|open| open.forget_bound(handle.as_raw(), !is_followed));
+    let thread = OPEN.try_with(|open| {
+        open.forget_bound(handle.as_raw(), !is_followed);
+        open.thread()
+    });
+    of.recorded().tally.recorder = thread.unwrap_or(0);
 }
 
 /// Begins the recording of a command buffer whose commands are not tracked: its draws count for no pass.
 pub fn untracked_begins(handle: vk::CommandBuffer) {
     let raw = handle.as_raw();
     let took = OPEN.try_with(|open| {
+        let before = (open.handle.replace(raw), open.counts.replace(Counts::default()));
         open.forget_bound(raw, false);
-        (open.handle.replace(raw), open.counts.replace(Counts::default()))
+        before
     });
     if let Ok((before, counts)) = took {
         hand_over(before, counts, raw);
@@ -240,9 +292,7 @@ pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::Descriptor
     let descriptors = &armed.objects.descriptors;
     let raw = handle.as_raw();
     let _ = OPEN.try_with(|open| {
-        if open.bound_in.get() != raw {
-            open.forget_bound(raw, true);
-        }
+        open.turn_to(raw);
         let (mut is_changed, mut names_attachments) = (false, false);
         for (number, set) in (first as usize..).zip(sets) {
             let may_read = descriptors.may_read(*set);
@@ -266,7 +316,8 @@ pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::Descriptor
 pub fn bind_unknown(handle: vk::CommandBuffer) {
     let raw = handle.as_raw();
     let _ = OPEN.try_with(|open| {
-        if open.bound_in.get() != raw || !open.is_unknown.get() {
+        open.turn_to(raw);
+        if !open.is_unknown.get() {
             open.forget_bound(raw, true);
         }
     });
@@ -275,16 +326,17 @@ pub fn bind_unknown(handle: vk::CommandBuffer) {
 /// Continues the pass of a command buffer on this thread, or begins it.
 fn take_up(of: &Buffer, handle: vk::CommandBuffer, begins: bool) {
     let raw = handle.as_raw();
-    let took = OPEN.try_with(|open| {
-        open.draws_in(raw);
-        let (before, counts) = (open.handle.replace(raw), open.counts.replace(Counts::default()));
-        (before, counts, open.thread())
-    });
-    let Ok((before, counts, thread)) = took else { return };
+    let took = OPEN.try_with(|open| (open.draws_in(raw), open.thread()));
+    let Ok(((before, counts), thread)) = took else { return };
     hand_over(before, counts, raw);
     let tally = &mut of.recorded().tally;
+    if ![0, thread].contains(&tally.recorder) {
+        // That thread may have bound others.
+        let _ = OPEN.try_with(|open| open.forget_bound(raw, true));
+    }
+    tally.recorder = thread;
     if begins {
-        *tally = Tally { thread, ..Tally::default() };
+        *tally = Tally { thread, recorder: thread, ..Tally::default() };
     } else {
         tally.is_lost |= tally.thread != 0 && tally.thread != thread;
         tally.thread = thread;
@@ -346,7 +398,7 @@ pub fn count_tracked(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
         counted = count(handle, more);
     }
     if counted == Counted::ReadsNotNoted {
-        add_reads(of, more);
+        add_reads(of, handle, more);
         count(handle, more);
     }
 }

@@ -97,7 +97,7 @@ unsafe fn begin_tracked(
         (Some(rates), _) => {
             let target = armed.objects.first_color(&pass);
             // SAFETY: the structure is valid, as above.
-            let image = unsafe { rates.begin_rendering(info, target, begin) };
+            let image = unsafe { rates.begin_rendering(info, (target, armed.frame.is_on()), begin) };
             (image.map(|image| armed.candidates.with_rate_image(image)), None)
         }
         // SAFETY: valid usage of vkCmdBeginRendering, as this function requires.

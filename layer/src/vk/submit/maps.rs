@@ -78,7 +78,7 @@ unsafe fn fill(
     // SAFETY: this thread may use the queue, as `# Safety` demands; the slot is recording since the begin above.
     let submitted = unsafe { slot.submit(own, queue, kept) };
     if submitted.is_err() {
-        outdated.iter().for_each(|candidate| candidate.content().lose());
+        outdated.iter().for_each(|candidate| candidate.content().upload_failed());
     }
     submitted
 }

@@ -2,10 +2,10 @@
 
 use super::fake::{self, rates};
 use super::*;
-use crate::pass_detection::Event;
+use crate::pass_detection::{Event, ImageKey};
 use crate::vk::dispatch::armed_hook;
 use crate::vk::newer as types;
-use crate::vk::recording::{self, Buffer};
+use crate::vk::recording::{self, Buffer, draws};
 use crate::vk::timing::Timer;
 use std::sync::Arc;
 
@@ -121,6 +121,60 @@ fn draws_by_addresses_count() {
     });
 }
 
+/// The images that meshes read in the last pass, and whether they may read more.
+fn read_by_meshes(buffer: &Buffer) -> (Vec<u64>, bool) {
+    let recorded = buffer.recorded();
+    let Some(Event::Pass(pass)) = recorded.events.last() else { panic!("no pass") };
+    let reads = &pass.draws.as_ref().unwrap().read_by_meshes;
+    (reads.images.iter().map(|image| image.0).collect(), reads.may_read_more)
+}
+
+/// An upload is recorded beside a frame.
+#[test]
+fn reads_are_known_while_the_thread_begins_another_command_buffer() {
+    let draw = hook!(c"vkCmdDraw": PFN_vkCmdDraw);
+    let end = hook!(c"vkCmdEndRenderingKHR": PFN_vkCmdEndRendering);
+    with_command_buffer(|handle, buffer| {
+        let other_handle = fake::command_buffer_of(buffer.armed.record.device);
+        let other = recording::keep(&buffer.armed, other_handle);
+        let sets = [7, 8].map(vk::DescriptorSet::from_raw);
+        for set in sets {
+            buffer.armed.objects.descriptors.write(set, (0, 0), Some(ImageKey(set.as_raw())));
+        }
+        let bind = |set: usize| {
+            // SAFETY: the command buffer is live.
+            unsafe { draws::bind(handle, 0, &sets[set..=set]) };
+        };
+        let begin_other = || draws::recording_begins(&other, other_handle);
+        // SAFETY: the command buffer is live.
+        let draw_and_end = || unsafe {
+            draw(handle, 30, 1, 0, 0);
+            end(handle);
+        };
+        draws::recording_begins(buffer, handle);
+        begin_other();
+        bind(0);
+        begin(handle);
+        draw_and_end();
+        assert_eq!(read_by_meshes(buffer), (vec![7], false));
+        begin(handle);
+        begin_other();
+        draw_and_end();
+        assert_eq!(read_by_meshes(buffer), (vec![7], false), "still bound");
+        begin_other();
+        std::thread::scope(|threads| {
+            let record = || {
+                draws::recording_begins(buffer, vk::CommandBuffer::from_raw(handle.as_raw()));
+                bind(1);
+            };
+            threads.spawn(record);
+        });
+        begin(handle);
+        draw_and_end();
+        assert!(read_by_meshes(buffer).1, "another thread may have bound others");
+    });
+}
+
 /// Frame graphs end with split barriers: the last layout of a swapchain's image is that of a wait.
 #[test]
 fn waits_for_events_leave_layouts_as_barriers_do() {
@@ -182,7 +236,7 @@ fn dispatches_and_waits_begin_the_time_of_a_command_buffer() {
     for work in works {
         with_command_buffer(|handle, buffer| {
             // SAFETY: the device is never destroyed.
-            buffer.recorded().timer = unsafe { Timer::of_tests(&idle) };
+            buffer.recorded().timer = unsafe { Timer::of_tests(&idle, &buffer.armed.timing) };
             for is_wanted in [false, true] {
                 buffer.armed.timing.set_wanted(is_wanted);
                 work(handle);

@@ -2,6 +2,7 @@
 
 use super::fake::{self, rates};
 use super::*;
+use crate::backend::attachment::commands::SetRate;
 use crate::link::BACKEND_RATE_ATTACHMENT;
 
 /// The enabled extensions of a device, and its rate features.
@@ -63,6 +64,37 @@ fn an_applications_own_features_are_amended_and_stay_its_own() {
     // SAFETY: it lives, and no other code uses it.
     let own = unsafe { *own };
     assert_eq!((own.pipeline_fragment_shading_rate, own.attachment_fragment_shading_rate), (0, 0));
+}
+
+/// The rate that is set when a fragment shader without a pipeline is bound, in an application that enables the extension by name, and chains
+/// these features.
+fn rate_of_shader_object(
+    own: Option<vk::PhysicalDeviceFragmentShadingRateFeaturesKHR<'_>>,
+) -> Option<SetRate> {
+    rates::capabilities(true, false);
+    let instance = new_instance(Some(vk::API_VERSION_1_2));
+    let chain = own.as_ref().map_or(null(), |own| (&raw const *own).cast());
+    let names = [vk::KHR_FRAGMENT_SHADING_RATE_NAME];
+    let device = create_device_with(instance, fake::device_chain(chain, true).0, 1, &names).unwrap();
+    // SAFETY: the device is live.
+    let known = unsafe { device::of(device) }.unwrap();
+    let attachments = known.rate_attachments().unwrap();
+    assert!(attachments.sets_rates_at_bind, "the rates of pipelines may be set by commands");
+    let rate = attachments.set_rates.bound_shader(fake::command_buffer_of(device), false);
+    destroy_device(device);
+    destroy_instance(instance);
+    rates::capabilities(false, false);
+    rate
+}
+
+/// An extension may be enabled without its features.
+#[test]
+fn an_application_sets_rates_if_it_enables_the_feature_of_the_extension() {
+    let features = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR::default;
+    assert_eq!(rate_of_shader_object(Some(features().pipeline_fragment_shading_rate(true))), None);
+    for own in [None, Some(features()), Some(features().primitive_fragment_shading_rate(true))] {
+        assert!(rate_of_shader_object(own).is_some(), "{own:?}");
+    }
 }
 
 #[test]

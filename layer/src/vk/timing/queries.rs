@@ -2,17 +2,71 @@
 
 use crate::gpu::GpuError;
 use ash::vk;
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A pool of two queries; destroyed with the last that names it. That is when its command buffer is freed and no submit of it
+/// A pool of two queries, of one command buffer; spare with the last that names it. That is when its command buffer is freed and no submit of it
 /// waits to be read, so that the GPU is done with it.
 pub struct Queries {
-    device: ash::Device,
-    pool: vk::QueryPool,
+    pool: Option<Pool>,
+    spare: Arc<SparePools>,
     /// Valid bits of timestamps (`timestampValidBits`).
     valid_bits: u64,
+    /// Submits whose timestamps were not read: later ones than `latest` may be in the pool.
+    unread: AtomicU32,
+}
+
+/// A pool of two queries.
+struct Pool {
+    device: ash::Device,
+    handle: vk::QueryPool,
     /// The latest timestamp that was read.
     latest: Mutex<Option<u64>>,
+}
+
+/// Pools of a device that no command buffer uses. Many applications allocate their command buffers anew in each frame.
+#[derive(Default)]
+pub struct SparePools(Mutex<Spare>);
+
+#[derive(Default)]
+struct Spare {
+    pools: Vec<Pool>,
+    /// Whether the device is about to be destroyed.
+    is_over: bool,
+}
+
+/// Most spare pools: of three frames of some eighty command buffers.
+const MOST_SPARE: usize = 256;
+
+impl SparePools {
+    /// Destroys all of them, from now on, too, before the device is destroyed.
+    pub fn end(&self) {
+        let mut spare = self.lock();
+        spare.is_over = true;
+        let pools = std::mem::take(&mut spare.pools);
+        drop(spare);
+        drop(pools);
+    }
+
+    fn take(&self) -> Option<Pool> {
+        self.lock().pools.pop()
+    }
+
+    /// Keeps a pool if there is room, and else destroys it.
+    fn put(&self, pool: Pool) {
+        let mut spare = self.lock();
+        let is_kept = !spare.is_over && spare.pools.len() < MOST_SPARE;
+        if is_kept {
+            spare.pools.push(pool);
+        } else {
+            drop(spare);
+            drop(pool);
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Spare> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Stage at which timestamps are written: after all earlier commands.
@@ -44,16 +98,42 @@ impl Interval {
     }
 }
 
-impl Queries {
+impl Pool {
     /// # Safety
     ///
     /// The device is live, and outlives the result.
-    pub unsafe fn new(device: &ash::Device, valid_bits: u64) -> Result<Self, GpuError> {
+    unsafe fn new(device: &ash::Device) -> Result<Self, GpuError> {
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
         // SAFETY: the device is live, as `# Safety` demands.
-        let pool = unsafe { device.create_query_pool(&info, None) };
-        let pool = pool.map_err(GpuError::from_call("vkCreateQueryPool"))?;
-        Ok(Self { device: device.clone(), pool, valid_bits, latest: Mutex::default() })
+        let handle = unsafe { device.create_query_pool(&info, None) };
+        let handle = handle.map_err(GpuError::from_call("vkCreateQueryPool"))?;
+        Ok(Self { device: device.clone(), handle, latest: Mutex::default() })
+    }
+}
+
+impl Queries {
+    /// For one command buffer, from a spare pool if there is one.
+    ///
+    /// # Errors
+    ///
+    /// The errors of vkCreateQueryPool.
+    ///
+    /// # Safety
+    ///
+    /// The device is live, that of the spare pools, and outlives the result.
+    pub unsafe fn new(
+        device: &ash::Device,
+        spare: &Arc<SparePools>,
+        valid_bits: u64,
+    ) -> Result<Self, GpuError> {
+        // SAFETY: the device is live, as `# Safety` demands.
+        let pool = spare.take().map_or_else(|| unsafe { Pool::new(device) }, Ok)?;
+        Ok(Self { pool: Some(pool), spare: Arc::clone(spare), valid_bits, unread: AtomicU32::new(0) })
+    }
+
+    /// The timestamps are about to be submitted.
+    pub fn submitted(&self) {
+        self.unread.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Records the first timestamp.
@@ -62,10 +142,11 @@ impl Queries {
     ///
     /// The command buffer is recording, outside of a render pass, for queues that have timestamps and may reset queries.
     pub unsafe fn begin(&self, commands: vk::CommandBuffer) {
+        let Some(Pool { device, handle, .. }) = &self.pool else { return };
         // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe {
-            self.device.cmd_reset_query_pool(commands, self.pool, 0, 2);
-            self.device.cmd_write_timestamp(commands, DONE, self.pool, 0);
+            device.cmd_reset_query_pool(commands, *handle, 0, 2);
+            device.cmd_write_timestamp(commands, DONE, *handle, 0);
         }
     }
 
@@ -75,8 +156,9 @@ impl Queries {
     ///
     /// As for [`Self::begin`], which was called for it.
     pub unsafe fn end(&self, commands: vk::CommandBuffer) {
+        let Some(Pool { device, handle, .. }) = &self.pool else { return };
         // SAFETY: as above.
-        unsafe { self.device.cmd_write_timestamp(commands, DONE, self.pool, 1) }
+        unsafe { device.cmd_write_timestamp(commands, DONE, *handle, 1) }
     }
 
     /// The timestamps; `None` while one of them is missing.
@@ -85,15 +167,19 @@ impl Queries {
     ///
     /// The errors of vkGetQueryPoolResults.
     pub fn interval(&self) -> Result<Option<Interval>, GpuError> {
+        let Some(Pool { device, handle, latest }) = &self.pool else { return Ok(None) };
         let mut results = [0_u64; 2];
         // SAFETY: the pool is live, and has two queries.
-        let read = unsafe {
-            self.device.get_query_pool_results(self.pool, 0, &mut results, vk::QueryResultFlags::TYPE_64)
-        };
+        let read =
+            unsafe { device.get_query_pool_results(*handle, 0, &mut results, vk::QueryResultFlags::TYPE_64) };
         match read {
             Ok(()) => {
-                let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-                Ok(interval(results, self.valid_bits, &mut latest))
+                let mut latest = latest.lock().unwrap_or_else(PoisonError::into_inner);
+                let found = interval(results, self.valid_bits, &mut latest);
+                if found.is_some() {
+                    self.unread.fetch_sub(1, Ordering::Relaxed);
+                }
+                Ok(found)
             }
             Err(vk::Result::NOT_READY) => Ok(None),
             Err(error) => Err(GpuError::from_call("vkGetQueryPoolResults")(error)),
@@ -119,8 +205,18 @@ fn interval([begin, end]: [u64; 2], valid_bits: u64, latest: &mut Option<u64>) -
 
 impl Drop for Queries {
     fn drop(&mut self) {
+        // Timestamps that were not read would be taken for those of the next command buffer.
+        let is_read = *self.unread.get_mut() == 0;
+        if let Some(pool) = self.pool.take().filter(|_| is_read) {
+            self.spare.put(pool);
+        }
+    }
+}
+
+impl Drop for Pool {
+    fn drop(&mut self) {
         // SAFETY: nothing that is submitted uses the pool any more.
-        unsafe { self.device.destroy_query_pool(self.pool, None) }
+        unsafe { self.device.destroy_query_pool(self.handle, None) }
     }
 }
 

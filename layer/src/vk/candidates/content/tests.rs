@@ -156,6 +156,29 @@ fn an_unchanged_map_is_not_uploaded() {
     );
 }
 
+/// As in a device that is out of memory for one submit.
+#[test]
+fn a_map_whose_upload_failed_is_uploaded_again() {
+    let mut content = Content::default();
+    note(&mut content, 1, AREA, &[]);
+    assert_eq!(content.need(0), Need::Initialise);
+    uploaded(&mut content, 0);
+    content.upload_failed();
+    assert_eq!(content.need(0), Need::Initialise, "it has no content yet");
+    uploaded(&mut content, 0);
+    assert_eq!(content.need(0), Need::None);
+    note(&mut content, 2, AREA, &full());
+    uploaded(&mut content, 1);
+    note(&mut content, 3, AREA, &[]);
+    note(&mut content, 4, AREA, &[]);
+    assert_eq!(content.need(1), Need::Upload, "back to 1x1");
+    uploaded(&mut content, 1);
+    content.upload_failed();
+    assert_eq!(content.need(1), Need::Upload, "it is still coarse");
+    uploaded(&mut content, 1);
+    assert_eq!(content.need(1), Need::None);
+}
+
 /// A recording without a fill is given no coarse tiles as long as it is submitted.
 #[test]
 fn passes_without_a_fill_are_known_by_frame() {

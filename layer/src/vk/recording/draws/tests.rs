@@ -58,6 +58,32 @@ fn bound_sets_are_noted_once_per_kind_of_draw() {
     });
 }
 
+/// An upload is recorded beside a frame.
+#[test]
+fn sets_stay_bound_while_the_thread_records_another_command_buffer() {
+    let (this, mesh) = (vk::CommandBuffer::from_raw(11), Counts::of(30, 1));
+    let bound = |open: &Open| (open.bound_in.get(), open.sets[0].get(), open.is_unknown.get());
+    OPEN.with(|open| {
+        open.forget_bound(11, false);
+        open.sets[0].set(77);
+        open.is_bound_anew(true);
+        open.draws_in(11);
+        open.noted[1].set(true);
+        open.forget_bound(12, false);
+        assert_eq!(count(this, mesh), Counted::ReadsNotNoted, "the bound sets are not those of the pass");
+        open.sets[0].set(78);
+        open.is_bound_anew(true);
+        assert_eq!(count(this, mesh), Counted::ReadsNotNoted);
+        open.turn_to(11);
+        assert_eq!(bound(open), (11, 77, false));
+        open.turn_to(12);
+        assert_eq!(bound(open), (12, 78, false));
+        open.forget_bound(13, false);
+        open.turn_to(11);
+        assert_eq!(bound(open), (11, 0, true), "of three, the thread knows two");
+    });
+}
+
 #[test]
 fn more_unknown_reads_are_not_noted_again() {
     let this = vk::CommandBuffer::from_raw(9);
