@@ -107,17 +107,17 @@ fn lists(frames: &[Frame]) -> TileLists {
 }
 
 /// The runtime's swapchain with depth.
-struct DepthSwapchain {
+pub struct DepthSwapchain {
     images: [vk::Image; 2],
     extent: vk::Extent2D,
-    source: DepthSource,
+    pub source: DepthSource,
 }
 
 const FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 const DRAWN: vk::ImageLayout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
 
 impl DepthSwapchain {
-    fn new(vulkan: &Vulkan, extent: [u32; 2]) -> Self {
+    pub fn new(vulkan: &Vulkan, extent: [u32; 2]) -> Self {
         let extent = vk::Extent2D { width: extent[0], height: extent[1] };
         let images = [0, 1].map(|_| {
             let usage = vk::ImageUsageFlags::TRANSFER_SRC;

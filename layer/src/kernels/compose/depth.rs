@@ -4,7 +4,8 @@ use crate::gpu::barrier::{
     DEPTH_COPIED_TO_WRITTEN, DEPTH_WRITTEN_TO_COPIED, KEPT_DEPTH_COPIED_TO_READ, KEPT_DEPTH_READ_TO_COPIED,
 };
 use crate::gpu::{
-    Gpu, GpuError, ImageDescription, Owned, OwnedImage, RecordingKey, TextureSets, Uses, depth_view, serial,
+    Gpu, GpuError, ImageDescription, Owned, OwnedImage, Purpose, RecordingKey, TextureSets, Uses, depth_view,
+    serial,
 };
 use ash::vk;
 use parafovea_core::kernels::compose::DepthRect;
@@ -99,7 +100,7 @@ impl DepthSource {
         copies.store(copy, Ordering::Relaxed);
         let slot = self.kept.slot(copy) as u64;
         let key = RecordingKey::from_slice(&[self.serial, index.into(), slot]);
-        let submit = gpu.next_submit()?.submit(Some(&key), |recorder| {
+        let submit = gpu.next_submit(Purpose::Depth)?.submit(Some(&key), |recorder| {
             recorder.barrier_of(&DEPTH_WRITTEN_TO_COPIED, from, *aspects, layers);
             recorder.barrier_of(&KEPT_DEPTH_READ_TO_COPIED, to, *aspects, layers);
             recorder.copy_aspect(vk::ImageAspectFlags::DEPTH, [from, to], shape.extent, layers);
