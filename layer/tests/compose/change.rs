@@ -1,6 +1,6 @@
 //! Tiles that are compared with earlier pictures, against the reference.
 
-use crate::moved::DepthSwapchain;
+use crate::moved::{DRAWN, DepthSwapchain};
 use crate::pictures::{picture, pixel_format};
 use crate::reuse::{Frame, IMAGES, earlier_than, frames, reuse};
 use crate::swapchain::{Swapchain, shape};
@@ -167,7 +167,7 @@ fn findings_are_kept_until_they_are_taken() {
         compose.submit(&[ComposeJob { changes: &changes, ..swapchain.job(0, &[]) }]).unwrap();
         vulkan.idle();
         for depth in &depth {
-            depth.source.copy(0).unwrap();
+            depth.source.copy(0, DRAWN).unwrap();
         }
         vulkan.idle();
     };

@@ -1,6 +1,6 @@
 //! Devices that fail or are behind, and calls about submits under way.
 
-use crate::moved::DepthSwapchain;
+use crate::moved::{DRAWN, DepthSwapchain};
 use crate::pictures::{FOV, region};
 use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
@@ -262,7 +262,7 @@ fn a_frame_with_four_submits_does_not_wait_for_itself() {
         vulkan.idle();
         OF_FRAME.lock().unwrap().clear();
         for depth in &depth {
-            depth.source.copy(0).unwrap();
+            depth.source.copy(0, DRAWN).unwrap();
         }
         compose.submit(&[swapchain.job(0, &[])]).unwrap();
         assert!(debug_view.submit(&[view]).unwrap());

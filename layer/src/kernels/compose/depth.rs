@@ -85,11 +85,12 @@ impl DepthSource {
         Ok(Self { uses: Uses::new(gpu), images, kept, serial: serial() })
     }
 
-    /// Copies the depth of an image that the application has written, and releases next. Returns the number of the copy, from 1.
+    /// Copies the depth of an image that the application has written, left in `layout`, and releases next. It is in that layout again after
+    /// the copy. Returns the number of the copy, from 1.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] for an index out of range, [`GpuError::Timeout`] when earlier submits hang; a failed call.
-    pub fn copy(&self, index: u32) -> Result<u64, GpuError> {
+    pub fn copy(&self, index: u32, layout: vk::ImageLayout) -> Result<u64, GpuError> {
         let KeptDepth { handles, aspects, shape, copies, gpu, uses, .. } = &*self.kept;
         let from =
             *self.images.get(index as usize).ok_or(GpuError::Invalid("an image index out of range"))?;
@@ -99,12 +100,13 @@ impl DepthSource {
         // Stored first: during the copy, no reader relies on the depth that it overwrites.
         copies.store(copy, Ordering::Relaxed);
         let slot = self.kept.slot(copy) as u64;
-        let key = RecordingKey::from_slice(&[self.serial, index.into(), slot]);
+        let key = RecordingKey::from_slice(&[self.serial, index.into(), slot, layout.as_raw() as u64]);
+        let left = aspects_in(layout, *aspects);
         let submit = gpu.next_submit(Purpose::Depth)?.submit(Some(&key), |recorder| {
-            recorder.barrier_of(&DEPTH_WRITTEN_TO_COPIED, from, *aspects, layers);
+            recorder.barrier_of(&DEPTH_WRITTEN_TO_COPIED.depth_left_in(layout), from, left, layers);
             recorder.barrier_of(&KEPT_DEPTH_READ_TO_COPIED, to, *aspects, layers);
             recorder.copy_aspect(vk::ImageAspectFlags::DEPTH, [from, to], shape.extent, layers);
-            recorder.barrier_of(&DEPTH_COPIED_TO_WRITTEN, from, *aspects, layers);
+            recorder.barrier_of(&DEPTH_COPIED_TO_WRITTEN.depth_left_in(layout), from, left, layers);
             recorder.barrier_of(&KEPT_DEPTH_COPIED_TO_READ, to, *aspects, layers);
             Ok(())
         })?;
@@ -196,6 +198,16 @@ impl PictureDepth<'_> {
     /// Notes that a submit of that number reads it.
     pub(super) fn mark(&self, submit: u64) {
         self.kept.uses.mark(submit);
+    }
+}
+
+/// Those of `aspects` that are in `layout`, which may be of depth alone.
+fn aspects_in(layout: vk::ImageLayout, aspects: vk::ImageAspectFlags) -> vk::ImageAspectFlags {
+    match layout {
+        vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL | vk::ImageLayout::DEPTH_READ_ONLY_OPTIMAL => {
+            vk::ImageAspectFlags::DEPTH
+        }
+        _ => aspects,
     }
 }
 

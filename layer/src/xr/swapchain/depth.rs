@@ -7,6 +7,7 @@ use crate::gpu::GpuError;
 use crate::kernels::compose::{DepthShape, DepthSource, KeptDepth};
 use crate::link::BACKEND_RATE_ATTACHMENT;
 use crate::xr::session::{Active, Health, Tools};
+use ash::vk;
 use openxr_sys as xr;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
@@ -24,10 +25,10 @@ pub enum Depth {
 }
 
 impl Depth {
-    /// Copies the depth of an image.
-    fn with_copy(self, index: u32) -> Self {
+    /// Copies the depth of an image, which the application left in `layout`.
+    fn with_copy(self, index: u32, layout: vk::ImageLayout) -> Self {
         let Self::Available { source, .. } = self else { return self };
-        match source.copy(index) {
+        match source.copy(index, layout) {
             Ok(copy) => Self::Available { source, newest: Some(copy) },
             // The device is behind: this image has no depth copy.
             Err(GpuError::Timeout) => Self::Available { source, newest: None },
@@ -75,12 +76,16 @@ impl Swapchain {
         let is_of_use = active.health() == Health::Works && is_wanted(active, &config);
         let tools = active.made_tools().filter(|_| is_of_use);
         let index = self.acquired_images().ready();
+        // As OpenXR demands, where the Vulkan half does not know the image.
+        let image = index.and_then(|index| self.images().get(index as usize).copied());
+        let left = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        let left = image.map_or(left, |image| active.device.layout(image));
         // Never again after a panic.
         let known = std::mem::replace(&mut *self.depth(), Depth::Unavailable);
         let next = match (known, tools.zip(index)) {
-            (Depth::Unknown, Some((tools, index))) => self.make_depth(tools, &config).with_copy(index),
+            (Depth::Unknown, Some((tools, index))) => self.make_depth(tools, &config).with_copy(index, left),
             (Depth::Available { source, .. }, Some((_, index))) => {
-                Depth::Available { source, newest: None }.with_copy(index)
+                Depth::Available { source, newest: None }.with_copy(index, left)
             }
             (Depth::Available { source, .. }, None) => Depth::Available { source, newest: None },
             (known, _) => known,
