@@ -384,6 +384,21 @@ fn depth_that_is_not_there_is_refused() {
     vulkan.assert_valid();
 }
 
+#[test]
+fn copies_of_depth_are_made_where_they_fit() {
+    let vulkan = Vulkan::new();
+    let depth = DepthSwapchain::new(&vulkan, [64, 64]);
+    let (kept, used) = (depth.source.kept(), vulkan.gpu.memory_used());
+    assert!(used >= kept.bytes() && kept.bytes() >= u64::from(IMAGES) * 64 * 64 * 4, "{used}");
+    let refused = DepthSource::within(&vulkan.gpu, kept.shape(), depth.images.to_vec(), IMAGES, |memory| {
+        assert_eq!(memory.bytes * u64::from(IMAGES), kept.bytes());
+        false
+    });
+    assert!(matches!(refused, Err(GpuError::Unsupported(_))));
+    assert_eq!(vulkan.gpu.memory_used(), used, "memory of a refused copy stays");
+    vulkan.assert_valid();
+}
+
 /// So many frames as an application has them, with depth that it leaves in `left`, each completed from and compared with those before it.
 /// Returns a picture of the runtime.
 pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32, left: vk::ImageLayout) -> Vec<u8> {

@@ -1,5 +1,6 @@
 //! Copies of the depth of the last pictures, made before the application returns it to the runtime.
 
+use super::ImageMemory;
 use crate::gpu::barrier::{
     DEPTH_COPIED_TO_WRITTEN, DEPTH_WRITTEN_TO_COPIED, KEPT_DEPTH_COPIED_TO_READ, KEPT_DEPTH_READ_TO_COPIED,
 };
@@ -46,6 +47,8 @@ pub struct KeptDepth {
     handles: Vec<vk::Image>,
     aspects: vk::ImageAspectFlags,
     shape: DepthShape,
+    /// Memory of one of them.
+    bytes: u64,
     /// Number of copies made.
     copies: AtomicU64,
     gpu: Arc<Gpu>,
@@ -81,7 +84,21 @@ impl DepthSource {
         images: Vec<vk::Image>,
         count: u32,
     ) -> Result<Self, GpuError> {
-        let kept = Arc::new(KeptDepth::new(gpu, shape, count)?);
+        Self::within(gpu, shape, images, count, |_| true)
+    }
+
+    /// The same if `fits` returns so for the memory of one copy.
+    ///
+    /// # Errors
+    /// As there; [`GpuError::Unsupported`] if it does not fit.
+    pub fn within(
+        gpu: &Arc<Gpu>,
+        shape: &DepthShape,
+        images: Vec<vk::Image>,
+        count: u32,
+        fits: impl FnOnce(ImageMemory) -> bool,
+    ) -> Result<Self, GpuError> {
+        let kept = Arc::new(KeptDepth::new(gpu, shape, count, fits)?);
         Ok(Self { uses: Uses::new(gpu), images, kept, serial: serial() })
     }
 
@@ -122,7 +139,12 @@ impl DepthSource {
 }
 
 impl KeptDepth {
-    fn new(gpu: &Arc<Gpu>, shape: &DepthShape, count: u32) -> Result<Self, GpuError> {
+    fn new(
+        gpu: &Arc<Gpu>,
+        shape: &DepthShape,
+        count: u32,
+        fits: impl FnOnce(ImageMemory) -> bool,
+    ) -> Result<Self, GpuError> {
         let DepthShape { format, extent, array_layers } = *shape;
         let aspects = aspects(format).ok_or(GpuError::Unsupported("a format without depth"))?;
         let description = ImageDescription {
@@ -135,9 +157,13 @@ impl KeptDepth {
             view_formats: &[],
         };
         let uses = Uses::new(gpu);
-        let images = (0..count.max(1))
-            .map(|_| OwnedImage::new(gpu, &description))
-            .collect::<Result<Vec<_>, GpuError>>()?;
+        let first = OwnedImage::new(gpu, &description)?;
+        let (bytes, heap) = first.memory();
+        if !fits(ImageMemory { bytes, remaining: gpu.remaining_memory(heap) }) {
+            return Err(GpuError::Unsupported("depth of this size"));
+        }
+        let others = (1..count).map(|_| OwnedImage::new(gpu, &description));
+        let images = std::iter::once(Ok(first)).chain(others).collect::<Result<Vec<_>, GpuError>>()?;
         let handles: Vec<vk::Image> = images.iter().map(OwnedImage::handle).collect();
         let views = handles
             .iter()
@@ -153,6 +179,7 @@ impl KeptDepth {
             handles,
             aspects,
             shape: *shape,
+            bytes,
             copies: AtomicU64::new(0),
             gpu: Arc::clone(gpu),
         })
@@ -162,6 +189,11 @@ impl KeptDepth {
     pub fn has_copy(&self, copy: u64) -> bool {
         let copies = self.copies.load(Ordering::Relaxed);
         (1..=copies).contains(&copy) && copies < copy + self.handles.len() as u64
+    }
+
+    /// Memory of all copies, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes * self.handles.len() as u64
     }
 
     /// Properties of the images.

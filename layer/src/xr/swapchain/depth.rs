@@ -2,6 +2,7 @@
 
 use super::Swapchain;
 use super::create::runtime_images;
+use super::history_memory::depth_is_refused;
 use crate::config::{Config, ReuseMode, images_for_reuse, wants_reuse};
 use crate::gpu::GpuError;
 use crate::kernels::compose::{DepthShape, DepthSource, KeptDepth};
@@ -73,7 +74,8 @@ impl Swapchain {
         }
         let Some(active) = &self.session.active else { return };
         let config = active.plan.config();
-        let is_of_use = active.health() == Health::Works && is_wanted(active, &config);
+        let is_of_use =
+            active.health() == Health::Works && is_wanted(active, &config) && active.plan.needs_depth();
         let tools = active.made_tools().filter(|_| is_of_use);
         let index = self.acquired_images().ready();
         // As OpenXR demands, where the Vulkan half does not know the image.
@@ -94,12 +96,18 @@ impl Swapchain {
     }
 
     fn make_depth(&self, tools: &Tools, config: &Config) -> Depth {
-        let make = || {
+        let mut refused = None;
+        let mut make = || {
             let images = runtime_images(&self.session, self.handle)
                 .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
             let shape = self.description.depth_shape();
             let count = images_for_reuse(config);
-            DepthSource::new(&tools.gpu, &shape, images, count).map_err(|error| error.to_string())
+            let taken = super::history_memory(self.session.handle).0;
+            DepthSource::within(&tools.gpu, &shape, images, count, |memory| {
+                refused = depth_is_refused(count, taken, memory);
+                refused.is_none()
+            })
+            .map_err(|error| refused.map_or_else(|| error.to_string(), |reason| reason.to_string()))
         };
         match make() {
             Ok(source) => {
@@ -124,6 +132,14 @@ impl Swapchain {
                 Some(NewestDepth { kept: Arc::clone(source.kept()), copy: *copy })
             }
             Depth::Available { .. } | Depth::Unknown | Depth::Unavailable => None,
+        }
+    }
+
+    /// Device memory of the copies, bytes.
+    pub(super) fn depth_bytes(&self) -> u64 {
+        match &*self.depth() {
+            Depth::Available { source, .. } => source.kept().bytes(),
+            Depth::Unknown | Depth::Unavailable => 0,
         }
     }
 
