@@ -29,13 +29,14 @@ mod recorder;
 mod recordings;
 mod sample_draw;
 mod shared;
+mod slots;
 mod submit_times;
 mod support;
 
 pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use app_commands::{COMPUTES, READS_OF_RESULTS};
 pub(crate) use buffer::{ResultRing, UniformRing, WordRing};
-pub(crate) use commands::{SlotIndex, Uses, wait_device, wait_fence};
+pub(crate) use commands::{Uses, wait_device, wait_fence};
 pub(crate) use compare::Comparison;
 pub(crate) use compiler::{Compilation, Compiler, Later};
 pub(crate) use compute::{Bound, ComputeLayout, ComputeSet};
@@ -52,6 +53,7 @@ pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
 pub(crate) use recordings::{RecordingKey, serial};
 pub(crate) use sample_draw::{SampleAspect, SamplePass, SampleTarget, is_left};
 pub use shared::Shared;
+pub(crate) use slots::{Purpose, SlotIndex};
 
 use crate::link::DeviceRecord;
 use ash::vk;
@@ -63,7 +65,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use submit_times::{SubmitTime, SubmitTimes};
 
-/// Number of our submits that may be in flight before the next one waits.
+/// Number of our submits of one purpose that may be in flight before the next one waits; of depth, for each eye.
 pub(crate) const SUBMITS_IN_FLIGHT: usize = 3;
 
 /// One device of the application, with the queue that our work goes to, if it goes to one of its own.
@@ -265,7 +267,7 @@ impl Gpu {
         self.abandoned.load(Ordering::Relaxed)
     }
 
-    /// Records with `record` and submits; returns the number of the submit, for [`Uses::mark`].
+    /// Records new images with `record` and submits; returns the number of the submit, for [`Uses::mark`].
     ///
     /// # Errors
     /// As for [`Self::next_submit`] and [`NextSubmit::submit`].
@@ -273,20 +275,20 @@ impl Gpu {
         &self,
         record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
     ) -> Result<u64, GpuError> {
-        self.next_submit()?.submit(None, record)
+        self.next_submit(Purpose::Pictures)?.submit(None, record)
     }
 
-    /// The next submit, before anything is recorded. Waits only while [`SUBMITS_IN_FLIGHT`] submits are under way.
+    /// The next submit, before anything is recorded. Waits only while [`SUBMITS_IN_FLIGHT`] submits of that purpose are under way.
     ///
     /// # Errors
     /// [`GpuError::Timeout`] after a long wait: a later call may succeed. [`GpuError::Abandoned`]; [`GpuError::Invalid`] without a queue.
-    pub(crate) fn next_submit(&self) -> Result<NextSubmit<'_>, GpuError> {
+    pub(crate) fn next_submit(&self, purpose: Purpose) -> Result<NextSubmit<'_>, GpuError> {
         if self.is_abandoned() {
             return Err(GpuError::Abandoned);
         }
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         let ring = commands.as_mut().ok_or(GpuError::Invalid("a submission without a queue"))?;
-        match ring.free_slot(&self.device) {
+        match ring.free_slot(&self.device, purpose) {
             Ok(slot) => Ok(NextSubmit { gpu: self, commands, slot }),
             // A device that is behind comes again, and nothing was touched that it still uses.
             Err(GpuError::Timeout) => Err(GpuError::Timeout),

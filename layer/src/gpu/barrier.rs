@@ -2,7 +2,7 @@
 //!
 //! Outside of our work, images of both sides are COLOR_ATTACHMENT_OPTIMAL, and depth images DEPTH_STENCIL_ATTACHMENT_OPTIMAL, as OpenXR
 //! requires (XR_KHR_vulkan_enable, "Swapchain Image Layout"): written by earlier commands on the same queue, read by later ones;
-//! [`ImageBarrier::left_in`] has other layouts. No two barriers have the same layouts and stages.
+//! [`ImageBarrier::left_in`] and [`ImageBarrier::depth_left_in`] have other layouts. No two barriers have the same layouts and stages.
 
 use ash::vk;
 use vk::{AccessFlags as Access, ImageLayout as Layout, PipelineStageFlags as Stage};
@@ -29,7 +29,18 @@ pub struct ImageBarrier {
 impl ImageBarrier {
     /// The same barrier for an image that the application leaves in `layout`, and gets back so, with all its commands before and after.
     pub fn left_in(self, layout: Layout) -> Self {
-        let optimal = Layout::COLOR_ATTACHMENT_OPTIMAL;
+        self.with(layout, Layout::COLOR_ATTACHMENT_OPTIMAL)
+    }
+
+    /// The same for an image with depth.
+    pub fn depth_left_in(self, layout: Layout) -> Self {
+        // The layout of an image that is not followed, or is left so by no valid command.
+        let is_unknown = layout == Layout::COLOR_ATTACHMENT_OPTIMAL;
+        if is_unknown { self } else { self.with(layout, Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL) }
+    }
+
+    /// With `layout` in place of `optimal`.
+    fn with(self, layout: Layout, optimal: Layout) -> Self {
         // No image can be brought to the layouts of new ones, whose content is undefined.
         let is_new = matches!(layout, Layout::UNDEFINED | Layout::PREINITIALIZED);
         match self {

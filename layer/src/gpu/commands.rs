@@ -1,8 +1,9 @@
 //! A ring of submits, each with command buffers and a fence, so that a submit seldom waits and allocates nothing.
 
 use super::recordings::{Found, RecordingKey, Recordings, allocate};
+use super::slots::{Purpose, SLOTS, SlotIndex};
 use super::submit_times::{SubmitTime, SubmitTimes};
-use super::{Gpu, GpuError, Recorder, SUBMITS_IN_FLIGHT};
+use super::{Gpu, GpuError, Recorder};
 use crate::link::DeviceRecord;
 use ash::vk;
 use std::sync::Arc;
@@ -28,23 +29,14 @@ struct Slot {
     submit: u64,
 }
 
-/// Index of a slot of the ring: memory that is kept per slot may be written until its submit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SlotIndex(usize);
-
-impl SlotIndex {
-    /// Below [`SUBMITS_IN_FLIGHT`].
-    pub(crate) fn get(self) -> usize {
-        self.0
-    }
-}
-
 /// The ring.
 pub(super) struct CommandRing {
     pool: vk::CommandPool,
     /// Of the device.
     record: DeviceRecord,
-    slots: [Slot; SUBMITS_IN_FLIGHT],
+    slots: [Slot; SLOTS],
+    /// Number of submits so far, by [`Purpose`].
+    counts: [usize; 3],
     /// Number of the last submit; they count from 1.
     last_submit: u64,
     /// The submits up to this number are known to have finished.
@@ -70,8 +62,16 @@ impl CommandRing {
         let pool = unsafe { device.create_command_pool(&pool_info, None) }
             .map_err(GpuError::from_call("vkCreateCommandPool"))?;
         let slots = Default::default();
-        let mut ring =
-            Self { pool, record: *record, slots, last_submit: 0, last_finished: 0, is_behind: false, times };
+        let mut ring = Self {
+            pool,
+            record: *record,
+            slots,
+            counts: [0; 3],
+            last_submit: 0,
+            last_finished: 0,
+            is_behind: false,
+            times,
+        };
         // SAFETY: as above; the pool is new.
         match unsafe { ring.fill(device) } {
             Ok(()) => Ok(ring),
@@ -100,8 +100,13 @@ impl CommandRing {
     }
 
     /// The slot of the next submit, once its last one has finished. See [`Gpu::next_submit`].
-    pub(super) fn free_slot(&mut self, device: &ash::Device) -> Result<SlotIndex, GpuError> {
-        let index = ((self.last_submit + 1) % SUBMITS_IN_FLIGHT as u64) as usize;
+    pub(super) fn free_slot(
+        &mut self,
+        device: &ash::Device,
+        purpose: Purpose,
+    ) -> Result<SlotIndex, GpuError> {
+        let slot = SlotIndex::after(purpose, self.counts[purpose as usize]);
+        let index = slot.of_all();
         let submit = self.slots[index].submit;
         if submit != 0 {
             // Where the newest submit has finished, as on a device that keeps up, the next frames need no call.
@@ -111,7 +116,7 @@ impl CommandRing {
             }
             self.times.finished(device, index);
         }
-        Ok(SlotIndex(index))
+        Ok(slot)
     }
 
     /// Records, or finds recorded commands with `key`, and submits; returns the number of the submit. See [`super::NextSubmit::submit`].
@@ -119,18 +124,19 @@ impl CommandRing {
         &mut self,
         device: &ash::Device,
         queue: vk::Queue,
-        SlotIndex(index): SlotIndex,
+        slot: SlotIndex,
         key: Option<&RecordingKey>,
         record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
     ) -> Result<u64, GpuError> {
         let number = self.last_submit + 1;
+        let index = slot.of_all();
         // Timestamps are written for the frame under way alone.
         let key = key.filter(|_| !self.times.is_timed());
-        let slot = &mut self.slots[index];
+        let Slot { recordings, commands, .. } = &mut self.slots[index];
         let found = match key {
             // SAFETY: pool and device are live, and the slot's last submit has finished.
-            Some(key) => unsafe { slot.recordings.find(device, &self.record, self.pool, key) }?,
-            None => Found::Blank(slot.commands),
+            Some(key) => unsafe { recordings.find(device, &self.record, self.pool, key) }?,
+            None => Found::Blank(*commands),
         };
         let commands = match found {
             Found::Recorded(commands) => commands,
@@ -152,6 +158,7 @@ impl CommandRing {
             Ok(()) => {
                 self.slots[index].submit = number;
                 self.last_submit = number;
+                self.counts[slot.purpose() as usize] += 1;
             }
             Err(_) => self.times.forget(index),
         }

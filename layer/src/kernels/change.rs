@@ -69,6 +69,8 @@ pub(super) struct Change {
     room: Option<Room>,
     /// Comparisons under way, by slot.
     pending: [Pending; SUBMITS_IN_FLIGHT],
+    /// Findings of submits whose slots were used again.
+    kept: Findings,
     results: Vec<f32>,
     gpu: Arc<Gpu>,
 }
@@ -96,6 +98,37 @@ struct Pending {
     tiles: Vec<u32>,
 }
 
+/// Findings that nobody has taken yet.
+#[derive(Default)]
+struct Findings {
+    /// Views of the pictures, and number of compared tiles of each.
+    views: SmallVec<[(View, usize); SUBMITS_IN_FLIGHT * MAX_COMPARED]>,
+    /// The tiles of all.
+    tiles: Vec<u32>,
+    /// The change of each tile.
+    changes: Vec<f32>,
+}
+
+impl Findings {
+    /// Adds those of a submit. Where there is no room for them, the earlier ones are dropped.
+    fn add(&mut self, views: &[(View, usize)], tiles: &[u32], changes: &[f32]) {
+        let room = self.tiles.capacity().min(self.changes.capacity());
+        if self.tiles.len() + tiles.len() > room || self.views.len() + views.len() > self.views.inline_size()
+        {
+            self.clear();
+        }
+        self.views.extend_from_slice(views);
+        self.tiles.extend_from_slice(tiles);
+        self.changes.extend_from_slice(changes);
+    }
+
+    fn clear(&mut self) {
+        self.views.clear();
+        self.tiles.clear();
+        self.changes.clear();
+    }
+}
+
 impl Change {
     /// Prepares the pass.
     pub(super) fn new(gpu: &Arc<Gpu>, comparisons: &Arc<Comparisons>) -> Self {
@@ -103,6 +136,7 @@ impl Change {
             comparisons: Arc::clone(comparisons),
             room: None,
             pending: Default::default(),
+            kept: Findings::default(),
             results: Vec::new(),
             gpu: Arc::clone(gpu),
         }
@@ -134,19 +168,27 @@ impl Change {
         let lists = self.pending.iter_mut().map(|pending| &mut pending.tiles);
         lists.for_each(|tiles| tiles.reserve(count as usize));
         self.results.reserve(count as usize);
+        let kept = SUBMITS_IN_FLIGHT * count as usize;
+        self.kept.tiles.reserve(kept.saturating_sub(self.kept.tiles.len()));
+        self.kept.changes.reserve(kept.saturating_sub(self.kept.changes.len()));
         self.room = Some(Room { uses: Uses::new(&self.gpu), set, params, words, results });
         Ok(())
     }
 
-    /// Forgets the last submit of a slot, which has finished.
-    pub(super) fn clear(&mut self, slot: SlotIndex) {
-        let pending = &mut self.pending[slot.get()];
+    /// Frees a slot, whose last submit has finished; its findings are kept for [`Self::take_findings`].
+    pub(super) fn free(&mut self, slot: SlotIndex) {
+        let Self { room, pending, kept, results, .. } = self;
+        let pending = &mut pending[slot.get()];
+        if let Some(room) = room.as_ref().filter(|_| pending.submit > 0) {
+            room.results.read(pending.place, pending.tiles.len(), results);
+            kept.add(&pending.views, &pending.tiles, results);
+        }
         pending.submit = 0;
         pending.views.clear();
         pending.tiles.clear();
     }
 
-    /// Records the comparisons of jobs, after [`Self::clear`] and after all their other work; all images are before and after as the
+    /// Records the comparisons of jobs, after [`Self::free`] and after all their other work; all images are before and after as the
     /// application left them.
     ///
     /// # Errors
@@ -222,7 +264,9 @@ impl Change {
 
     /// Hands out the findings since the last call: of each picture its view, the tiles, and the change of each. Does not wait.
     pub(super) fn take_findings(&mut self, mut each: impl FnMut(&View, &[u32], &[f32])) {
-        let Self { room, pending, results, gpu, .. } = self;
+        let Self { room, pending, kept, results, gpu, .. } = self;
+        hand_out(&kept.views, &kept.tiles, &kept.changes, &mut each);
+        kept.clear();
         let Some(room) = room else { return };
         for pending in pending.iter_mut().filter(|pending| pending.submit > 0) {
             if !gpu.is_finished(pending.submit) {
@@ -230,14 +274,23 @@ impl Change {
             }
             pending.submit = 0;
             room.results.read(pending.place, pending.tiles.len(), results);
-            let (mut tiles, mut changes) = (&pending.tiles[..], &results[..]);
-            for (view, count) in &pending.views {
-                let of_view = (tiles.split_at_checked(*count), changes.split_at_checked(*count));
-                let (Some((here, others)), Some((changed, later))) = of_view else { break };
-                each(view, here, changed);
-                (tiles, changes) = (others, later);
-            }
+            hand_out(&pending.views, &pending.tiles, results, &mut each);
         }
+    }
+}
+
+/// Hands out the part of each view.
+fn hand_out(
+    views: &[(View, usize)],
+    mut tiles: &[u32],
+    mut changes: &[f32],
+    each: &mut impl FnMut(&View, &[u32], &[f32]),
+) {
+    for (view, count) in views {
+        let of_view = (tiles.split_at_checked(*count), changes.split_at_checked(*count));
+        let (Some((here, others)), Some((changed, later))) = of_view else { break };
+        each(view, here, changed);
+        (tiles, changes) = (others, later);
     }
 }
 

@@ -23,7 +23,7 @@ pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, is_color_format, stores_unit_range};
 
 use super::change::{Change, ChangeRegion, Comparisons, MAX_COMPARED};
-use crate::gpu::{Gpu, GpuError, Later, UniformRing, UniformSet, Uses, serial};
+use crate::gpu::{Gpu, GpuError, Later, Purpose, UniformRing, UniformSet, Uses, serial};
 use ash::vk;
 use draws::{Draws, EarlierImages};
 use key::key;
@@ -226,7 +226,7 @@ impl Compose {
         self.make_room(&draws)?;
         self.make_room_for_changes(jobs);
         let Self { serial, uniforms, uniform_set, pipelines, reuse, change, gpu, .. } = self;
-        let next = gpu.next_submit()?;
+        let next = gpu.next_submit(Purpose::Pictures)?;
         let slot = next.slot();
         for (number, draw) in (0..).zip(draws.iter()) {
             draw.offset.set(uniforms.write(slot, number, &draw.params)?);
@@ -241,7 +241,7 @@ impl Compose {
             }
         }
         if let Changing::There(change) = change {
-            change.clear(slot);
+            change.free(slot);
         }
         let key = key(*serial, jobs, &draws);
         let submit = next.submit(key.as_ref(), |recorder| {

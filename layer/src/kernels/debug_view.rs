@@ -8,7 +8,7 @@ pub use parafovea_core::kernels::debug_view::{DebugView, DebugViewParams, MapSha
 use super::compose::RuntimeImages;
 use crate::gpu::barrier::{ImageBarrier, RUNTIME_DRAWN_TO_BLENDED, blended_to};
 use crate::gpu::{
-    DeviceBuffer, Gpu, GpuError, Later, ListSet, Output, Shared, TileDraw, TilePipeline, TileShader,
+    DeviceBuffer, Gpu, GpuError, Later, ListSet, Output, Purpose, Shared, TileDraw, TilePipeline, TileShader,
     UniformRing, Uses,
 };
 use ash::vk;
@@ -150,7 +150,7 @@ impl DebugViewPass {
             return Err(GpuError::Invalid("no memory for maps"));
         };
         let mut draws: SmallVec<[(&DebugViewJob, u32); MOST_PICTURES]> = SmallVec::new();
-        let next = gpu.next_submit()?;
+        let next = gpu.next_submit(Purpose::DebugView)?;
         let slot = next.slot();
         let submit = next.submit(None, |recorder| {
             recorder.reads_to_updates();

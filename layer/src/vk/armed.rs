@@ -170,9 +170,15 @@ impl Armed {
                 ring.wait(functions);
             }
         }
+        let has_depth = record.usage.contains(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
+        let layout = if has_depth {
+            vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL
+        } else {
+            vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL
+        };
         for &image in images {
             if record.is_read != 0 {
-                self.layouts.follow(image, record.is_virtual != 0);
+                self.layouts.follow(image, record.is_virtual != 0, layout);
             }
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
         }

@@ -1,7 +1,7 @@
 //! The layouts of swapchain images that the layer reads, as the application leaves them, and the queues that it uses them on.
 //!
-//! By OpenXR an image is COLOR_ATTACHMENT_OPTIMAL when it is released (XR_KHR_vulkan_enable, "Swapchain Image Layout"). Engines exist that
-//! leave it as they last used it, and runtimes that do not mind.
+//! By OpenXR an image is COLOR_ATTACHMENT_OPTIMAL when it is released, and one with depth DEPTH_STENCIL_ATTACHMENT_OPTIMAL
+//! (XR_KHR_vulkan_enable, "Swapchain Image Layout"). Engines exist that leave it as they last used it, and runtimes that do not mind.
 
 use super::objects::QueueId;
 use ash::vk;
@@ -24,17 +24,16 @@ struct Followed {
 }
 
 impl Followed {
-    fn new(image: vk::Image, is_virtual: bool) -> Self {
-        let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+    fn new(image: vk::Image, is_virtual: bool, layout: vk::ImageLayout) -> Self {
         Self { image, is_virtual, layout, queues: SmallVec::new(), is_used_elsewhere: false }
     }
 }
 
 impl Layouts {
-    /// Begins to follow an image, of a virtual swapchain or not, which is COLOR_ATTACHMENT_OPTIMAL.
-    pub fn follow(&self, image: vk::Image, is_virtual: bool) {
+    /// Begins to follow an image, of a virtual swapchain or not, which is in that layout.
+    pub fn follow(&self, image: vk::Image, is_virtual: bool, layout: vk::ImageLayout) {
         self.forget(image);
-        self.write(|images| images.push(Followed::new(image, is_virtual)));
+        self.write(|images| images.push(Followed::new(image, is_virtual, layout)));
     }
 
     /// Whether images of virtual swapchains are followed: these are read in each frame.
@@ -57,7 +56,7 @@ impl Layouts {
         self.read(|images| images.iter().find(|known| known.image == image).map(|known| known.layout))
     }
 
-    /// The layout in which submits left an image; the one that OpenXR demands for an image that is not followed.
+    /// The layout in which submits left an image; the one that OpenXR demands for colour if an image is not followed.
     pub fn left_in(&self, image: vk::Image) -> vk::ImageLayout {
         self.of(image).unwrap_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
     }
@@ -107,9 +106,9 @@ mod tests {
         let layouts = Layouts::default();
         let [ours, other] = [1, 2].map(vk::Image::from_raw);
         assert!(layouts.is_empty());
-        layouts.follow(ours, false);
+        layouts.follow(ours, false, Layout::COLOR_ATTACHMENT_OPTIMAL);
         assert!(!layouts.is_empty() && !layouts.has_virtual());
-        layouts.follow(ours, true);
+        layouts.follow(ours, true, Layout::COLOR_ATTACHMENT_OPTIMAL);
         assert!(layouts.has_virtual());
         assert_eq!(layouts.of(ours), Some(Layout::COLOR_ATTACHMENT_OPTIMAL));
         layouts.submitted(None, &[(ours, Layout::SHADER_READ_ONLY_OPTIMAL), (other, Layout::GENERAL)]);
@@ -118,7 +117,7 @@ mod tests {
             [Some(Layout::SHADER_READ_ONLY_OPTIMAL), None]
         );
         // Another image of the same handle.
-        layouts.follow(ours, true);
+        layouts.follow(ours, true, Layout::COLOR_ATTACHMENT_OPTIMAL);
         assert_eq!(layouts.of(ours), Some(Layout::COLOR_ATTACHMENT_OPTIMAL));
         layouts.forget(ours);
         assert!(layouts.is_empty());
@@ -130,7 +129,8 @@ mod tests {
         let [one, two, three] = [1, 2, 3].map(vk::Image::from_raw);
         let [session, second, family] =
             [(0, 0), (0, 1), (1, 0)].map(|(family, index)| QueueId { family, index });
-        [one, two, three].into_iter().for_each(|image| layouts.follow(image, true));
+        let follow = |image| layouts.follow(image, true, Layout::COLOR_ATTACHMENT_OPTIMAL);
+        [one, two, three].into_iter().for_each(follow);
         let submit = |queue, image| layouts.submitted(queue, &[(image, Layout::COLOR_ATTACHMENT_OPTIMAL)]);
         let beside = || [one, two, three].map(|image| layouts.is_used_on_other_queues(image, session));
         assert_eq!(beside(), [None; 3]);
@@ -143,7 +143,7 @@ mod tests {
         // Permanent: a frame that uses one queue alone does not show that the next will.
         submit(Some(session), one);
         assert_eq!(beside(), [Some(true); 3]);
-        layouts.follow(one, true);
+        follow(one);
         assert_eq!(beside(), [None, Some(true), Some(true)]);
     }
 }

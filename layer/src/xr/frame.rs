@@ -246,12 +246,14 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     debug_view::note_frame(frame, report.frame);
     let is_drawn_over = debug_view::is_wanted(active, config);
     if swapchains.is_empty() {
+        active.plan.keep_pictures(false);
         return Ok(());
     }
     let is_virtual = |handle| swapchains.iter().any(|swapchain| swapchain.handle == handle);
     let shows_any = || submission.shows_any(is_virtual);
     let cannot = || if shows_any() { Err(Undeliverable) } else { Ok(()) };
     let (Some(tools), Health::Works | Health::CopyOnly) = (active.tools(), active.health()) else {
+        active.plan.keep_pictures(false);
         return cannot();
     };
     let _degrade = DegradeOnPanic(active);

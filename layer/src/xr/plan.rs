@@ -70,6 +70,8 @@ pub struct SessionPlan {
     pub sleep: Sleep,
     /// Whether passes read pictures of earlier frames.
     feedback: Mutex<Feedback>,
+    /// Whether the last frame's pictures are kept for the next one.
+    keeps_pictures: AtomicBool,
 }
 
 /// The frame that xrBeginFrame began last.
@@ -101,6 +103,7 @@ impl SessionPlan {
             is_running: AtomicBool::new(true),
             sleep: Sleep::default(),
             feedback: Mutex::default(),
+            keeps_pictures: AtomicBool::new(false),
         }
     }
 
@@ -213,6 +216,18 @@ impl SessionPlan {
     pub fn has_rates(&self) -> bool {
         let sent = self.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
         sent.is_some_and(|sent| sent.techniques.rates)
+    }
+
+    /// Whether depth is needed: tiles of this frame or the next may be re-used. Without pictures that are kept, or where the gate or passes
+    /// that read earlier frames forbid it, none are. Takes no lock that a plan holds.
+    pub fn needs_depth(&self) -> bool {
+        let sent = self.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
+        self.keeps_pictures.load(Ordering::Relaxed) && sent.is_some_and(|sent| sent.techniques.reuse)
+    }
+
+    /// Notes whether the pictures of the frame that ends are kept for re-use.
+    pub fn keep_pictures(&self, are_kept: bool) {
+        self.keeps_pictures.store(are_kept, Ordering::Relaxed);
     }
 
     /// Sends the Vulkan half the settings of the configuration and of the gates if they are new.

@@ -179,14 +179,15 @@ pub fn keep_for(session: xr::Session, frames: u32) -> bool {
     of_session.is_empty() || of_session.iter().any(keeps)
 }
 
-/// Device memory of the pictures that the virtual swapchains of a session keep for re-use, bytes, and why one of them keeps none.
+/// Device memory of the pictures that the swapchains of a session keep for re-use, and of their depth, bytes, and why one of them keeps none.
 pub fn history_memory(session: xr::Session) -> (u64, Option<HistoryTooLarge>) {
-    virtual_ones(session)
-        .iter()
-        .filter_map(|swapchain| swapchain.substitute.as_ref())
-        .fold((0, None), |(bytes, refused), substitute| {
+    let of_session = SWAPCHAINS.filter::<8>(|swapchain| swapchain.session.handle == session);
+    of_session.iter().fold((0, None), |(bytes, refused), swapchain| {
+        let bytes = bytes + swapchain.depth_bytes();
+        swapchain.substitute.as_ref().map_or((bytes, refused), |substitute| {
             (bytes + substitute.history_bytes, refused.or(substitute.refused))
         })
+    })
 }
 
 /// Forgets the swapchains of a session, before it is destroyed: they go with it.

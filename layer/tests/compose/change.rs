@@ -1,5 +1,6 @@
 //! Tiles that are compared with earlier pictures, against the reference.
 
+use crate::moved::{DRAWN, DepthSwapchain};
 use crate::pictures::{picture, pixel_format};
 use crate::reuse::{Frame, IMAGES, earlier_than, frames, reuse};
 use crate::swapchain::{Swapchain, shape};
@@ -135,7 +136,7 @@ fn steady_frames_that_are_compared_do_not_allocate() {
     let vulkan = Vulkan::new();
     let swapchain = Swapchain::with_images(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 96, 96, 1), IMAGES);
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
-    let frames = frames([96, 96], 16, 0.5);
+    let frames = frames([96, 96], 16, 0.0);
     let mut tiles = ComparedTiles::default();
     let mut seen = 0;
     let mut frame = |index: u32| {
@@ -148,7 +149,47 @@ fn steady_frames_that_are_compared_do_not_allocate() {
     let allocations = allocations::count(|| (6..18).for_each(|number| frame(number % IMAGES)));
     assert_eq!(allocations, 0);
     swapchain.shown(&vulkan, 1, 1, 4);
+    assert!(seen > 0);
     vulkan.assert_valid();
+}
+
+/// A GPU that is behind whenever findings are taken, in an application with a depth swapchain for each eye.
+#[test]
+fn findings_are_kept_until_they_are_taken() {
+    let vulkan = Vulkan::new();
+    let swapchain = Swapchain::with_images(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 96, 96, 1), IMAGES);
+    let depth = [0, 1].map(|_| DepthSwapchain::new(&vulkan, [96, 96]));
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    let frames = frames([96, 96], 16, 0.0);
+    let tiles = compared(&frames);
+    let changes = [region(&frames, &tiles)];
+    let mut frame = || {
+        compose.submit(&[ComposeJob { changes: &changes, ..swapchain.job(0, &[]) }]).unwrap();
+        vulkan.idle();
+        for depth in &depth {
+            depth.source.copy(0, DRAWN).unwrap();
+        }
+        vulkan.idle();
+    };
+    (0..5).for_each(|_| frame());
+    let found = findings(&mut compose);
+    assert_eq!(found.len(), 5);
+    assert!(found.iter().all(|each| *each == found[0] && each.1.len() == tiles.count()), "{found:?}");
+    assert!(findings(&mut compose).is_empty(), "handed out twice");
+    vulkan.assert_valid();
+}
+
+/// Where nobody takes them, findings do not add up.
+#[test]
+fn findings_that_nobody_takes_are_dropped() {
+    let vulkan = Vulkan::new();
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    in_turn(&vulkan, &mut compose, 10);
+    let allocations = allocations::count(|| compose.changes(|_, _, _| {}));
+    assert_eq!(allocations, 0);
+    in_turn(&vulkan, &mut compose, 100);
+    let found = findings(&mut compose).len();
+    assert!((4..=6).contains(&found), "{found}");
 }
 
 #[test]
@@ -171,8 +212,9 @@ fn pictures_that_are_not_there_are_not_compared() {
 /// So many frames as an application has them, each compared with those before it.
 pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32) {
     let swapchain = Swapchain::with_images(vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 64, 64, 1), IMAGES);
-    let frames = frames([64, 64], 16, 0.5);
+    let frames = frames([64, 64], 16, 0.0);
     let tiles = compared(&frames);
+    assert!(tiles.count() > 0);
     for number in 0..count {
         let index = number % IMAGES;
         swapchain.render(vulkan, index, &[picture(64, 64, number)]);

@@ -1,17 +1,19 @@
 //! Devices that fail or are behind, and calls about submits under way.
 
-use crate::pictures::region;
+use crate::moved::{DRAWN, DepthSwapchain};
+use crate::pictures::{FOV, region};
 use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
 use ash::vk;
 use glam::Vec3;
 use parafovea::gpu::{Gpu, GpuError};
 use parafovea::kernels::compose::Compose;
+use parafovea::kernels::debug_view::{DebugView, DebugViewJob, DebugViewParams, DebugViewPass, MapShape};
 use parafovea_core::chroma::ChromaSettings;
 use std::ffi::{CStr, c_char};
-use std::sync::OnceLock;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::atomic::{AtomicBool, AtomicU32};
+use std::sync::{Mutex, OnceLock};
 use std::time::Duration;
 
 static NEXT: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
@@ -224,6 +226,105 @@ unsafe extern "system" fn counted_wait(
 
 unsafe extern "system" fn counted_status(device: vk::Device, fence: vk::Fence) -> vk::Result {
     ASKED.fetch_add(1, Relaxed);
+    // SAFETY: the arguments are the caller's.
+    unsafe { next_status(device, fence) }
+}
+
+/// Fences of the submits of the frame under way.
+static OF_FRAME: Mutex<Vec<vk::Fence>> = Mutex::new(Vec::new());
+
+/// Number of waits for them.
+static WAITS_IN_FRAME: AtomicU32 = AtomicU32::new(0);
+
+/// No submit of a frame waits for another one of it: CPU and GPU would take turns.
+#[test]
+fn a_frame_with_four_submits_does_not_wait_for_itself() {
+    let vulkan = Vulkan::with(|mut record| {
+        NEXT.get_or_init(|| record.next_get_device_proc_addr);
+        record.next_get_device_proc_addr = with_a_frame_under_way;
+        record
+    });
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    let mut debug_view = DebugViewPass::new(vulkan.gpu.clone()).unwrap();
+    let swapchain = Swapchain::new(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 64, 64, 1));
+    let depth = [0, 1].map(|_| DepthSwapchain::new(&vulkan, [64, 64]));
+    let map = MapShape { extent: [64; 2], texel: [16; 2], tiles: [4; 2] };
+    let view = DebugViewJob {
+        eye: 0,
+        runtime: &swapchain.runtime,
+        runtime_index: 1,
+        array_layer: 0,
+        layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        params: DebugViewParams::new(DebugView::Gaze, [0; 2], [64; 2], FOV, Vec3::NEG_Z, &map),
+        map: None,
+    };
+    for _ in 0..8 {
+        vulkan.idle();
+        OF_FRAME.lock().unwrap().clear();
+        for depth in &depth {
+            depth.source.copy(0, DRAWN).unwrap();
+        }
+        compose.submit(&[swapchain.job(0, &[])]).unwrap();
+        assert!(debug_view.submit(&[view]).unwrap());
+        assert_eq!(OF_FRAME.lock().unwrap().len(), 4);
+    }
+    assert_eq!(WAITS_IN_FRAME.load(Relaxed), 0);
+    vulkan.idle();
+    OF_FRAME.lock().unwrap().clear();
+    drop((compose, debug_view, depth, swapchain));
+    vulkan.assert_valid();
+}
+
+unsafe extern "system" fn with_a_frame_under_way(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: names are C strings, and the function has the type of its name; the arguments are the caller's.
+    unsafe {
+        if CStr::from_ptr(name) != c"vkQueueSubmit" {
+            return with_fences(device, name, wait_noted, status_noted);
+        }
+        NEXT_SUBMIT.get_or_init(|| {
+            let next = NEXT.get().unwrap()(device, name).unwrap();
+            std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkQueueSubmit>(next)
+        });
+        Some(std::mem::transmute::<vk::PFN_vkQueueSubmit, unsafe extern "system" fn()>(submit_noted))
+    }
+}
+
+static NEXT_SUBMIT: OnceLock<vk::PFN_vkQueueSubmit> = OnceLock::new();
+
+unsafe extern "system" fn submit_noted(
+    queue: vk::Queue,
+    count: u32,
+    infos: *const vk::SubmitInfo<'_>,
+    fence: vk::Fence,
+) -> vk::Result {
+    OF_FRAME.lock().unwrap().push(fence);
+    // SAFETY: the arguments are the caller's.
+    unsafe { NEXT_SUBMIT.get().unwrap()(queue, count, infos, fence) }
+}
+
+unsafe extern "system" fn wait_noted(
+    device: vk::Device,
+    count: u32,
+    fences: *const vk::Fence,
+    all: vk::Bool32,
+    timeout: u64,
+) -> vk::Result {
+    // SAFETY: there are so many fences; the arguments are the caller's.
+    unsafe {
+        let fences_of_frame = OF_FRAME.lock().unwrap().clone();
+        let is_of_frame = |index: u32| fences_of_frame.contains(&*fences.add(index as usize));
+        WAITS_IN_FRAME.fetch_add((0..count).any(is_of_frame).into(), Relaxed);
+        next_wait(device, count, fences, all, timeout)
+    }
+}
+
+unsafe extern "system" fn status_noted(device: vk::Device, fence: vk::Fence) -> vk::Result {
+    if OF_FRAME.lock().unwrap().contains(&fence) {
+        return vk::Result::NOT_READY;
+    }
     // SAFETY: the arguments are the caller's.
     unsafe { next_status(device, fence) }
 }

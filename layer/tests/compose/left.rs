@@ -1,6 +1,7 @@
 //! Images that the application leaves in another layout than OpenXR has them.
 
 use crate::change::{compared, region as compared_region};
+use crate::moved;
 use crate::pictures::{picture, region};
 use crate::reuse::{IMAGES, frames};
 use crate::swapchain::{Swapchain, shape};
@@ -59,4 +60,23 @@ fn images_are_taken_and_given_back_as_they_were_left() {
     }
     assert_ne!(shown[0][0], shown[0][1], "nothing was drawn");
     assert!(shown[1..].iter().all(|pictures| *pictures == shown[0]));
+}
+
+/// The same of depth: pictures are as of depth in the layout that OpenXR demands.
+#[test]
+fn depth_is_taken_and_given_back_as_it_was_left() {
+    let pictures = [
+        moved::DRAWN,
+        vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+        vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
+    ]
+    .map(|left| {
+        let vulkan = Vulkan::new();
+        let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+        let picture = moved::in_turn(&vulkan, &mut compose, 6, left);
+        vulkan.idle();
+        vulkan.assert_valid();
+        picture
+    });
+    assert!(pictures[1..].iter().all(|picture| *picture == pictures[0]));
 }

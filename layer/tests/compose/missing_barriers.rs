@@ -31,7 +31,7 @@ fn frames(vulkan: &Vulkan) {
     }
     reuse::in_turn(vulkan, &mut compose, 6);
     change::in_turn(vulkan, &mut compose, 6);
-    moved::in_turn(vulkan, &mut compose, 6);
+    moved::in_turn(vulkan, &mut compose, 6, moved::DRAWN);
     drawn_over(vulkan);
 }
 

@@ -107,20 +107,22 @@ fn lists(frames: &[Frame]) -> TileLists {
 }
 
 /// The runtime's swapchain with depth.
-struct DepthSwapchain {
+pub struct DepthSwapchain {
     images: [vk::Image; 2],
     extent: vk::Extent2D,
-    source: DepthSource,
+    pub source: DepthSource,
+    /// The layout in which the application leaves its images.
+    left: vk::ImageLayout,
 }
 
 const FORMAT: vk::Format = vk::Format::D32_SFLOAT;
-const DRAWN: vk::ImageLayout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+pub const DRAWN: vk::ImageLayout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
 
 impl DepthSwapchain {
-    fn new(vulkan: &Vulkan, extent: [u32; 2]) -> Self {
+    pub fn new(vulkan: &Vulkan, extent: [u32; 2]) -> Self {
         let extent = vk::Extent2D { width: extent[0], height: extent[1] };
         let images = [0, 1].map(|_| {
-            let usage = vk::ImageUsageFlags::TRANSFER_SRC;
+            let usage = vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::SAMPLED;
             let image = vulkan.depth_image(FORMAT, extent, usage);
             let written = vk::ImageLayout::UNDEFINED;
             vulkan.run(|commands| Self::barrier(vulkan, commands, image, [written, DRAWN]));
@@ -128,7 +130,7 @@ impl DepthSwapchain {
         });
         let shape = DepthShape { format: FORMAT, extent, array_layers: 1 };
         let source = DepthSource::new(&vulkan.gpu, &shape, images.to_vec(), IMAGES).unwrap();
-        Self { images, extent, source }
+        Self { images, extent, source, left: DRAWN }
     }
 
     /// As an application orders its copies: nothing waits for them but further ones.
@@ -150,6 +152,12 @@ impl DepthSwapchain {
         let scope = |layout| match layout {
             vk::ImageLayout::UNDEFINED => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
             DRAWN => (tests, vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE),
+            vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => {
+                (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ)
+            }
+            vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL => {
+                (tests, vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ)
+            }
             _ => (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE),
         };
         let ((src, src_access), (dst, dst_access)) = (scope(from), scope(to));
@@ -181,9 +189,13 @@ impl DepthSwapchain {
             Self::barrier(vulkan, commands, image, [DRAWN, copied]);
             // SAFETY: plain use of Vulkan with live handles.
             unsafe { vulkan.device.cmd_copy_buffer_to_image(commands, buffer, image, copied, &[region]) };
-            Self::barrier(vulkan, commands, image, [copied, DRAWN]);
+            Self::barrier(vulkan, commands, image, [copied, self.left]);
         });
-        self.source.copy(index).unwrap()
+        let copy = self.source.copy(index, self.left).unwrap();
+        if self.left != DRAWN {
+            vulkan.run(|commands| Self::barrier(vulkan, commands, image, [self.left, DRAWN]));
+        }
+        copy
     }
 
     fn depth(&self, copy: u64, rect: DepthRect) -> PictureDepth<'_> {
@@ -372,12 +384,28 @@ fn depth_that_is_not_there_is_refused() {
     vulkan.assert_valid();
 }
 
-/// So many frames as an application has them, with depth, each completed from and compared with those before it.
-pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32) {
+#[test]
+fn copies_of_depth_are_made_where_they_fit() {
+    let vulkan = Vulkan::new();
+    let depth = DepthSwapchain::new(&vulkan, [64, 64]);
+    let (kept, used) = (depth.source.kept(), vulkan.gpu.memory_used());
+    assert!(used >= kept.bytes() && kept.bytes() >= u64::from(IMAGES) * 64 * 64 * 4, "{used}");
+    let refused = DepthSource::within(&vulkan.gpu, kept.shape(), depth.images.to_vec(), IMAGES, |memory| {
+        assert_eq!(memory.bytes * u64::from(IMAGES), kept.bytes());
+        false
+    });
+    assert!(matches!(refused, Err(GpuError::Unsupported(_))));
+    assert_eq!(vulkan.gpu.memory_used(), used, "memory of a refused copy stays");
+    vulkan.assert_valid();
+}
+
+/// So many frames as an application has them, with depth that it leaves in `left`, each completed from and compared with those before it.
+/// Returns a picture of the runtime.
+pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32, left: vk::ImageLayout) -> Vec<u8> {
     let format = vk::Format::R8G8B8A8_SRGB;
     let swapchain = Swapchain::with_images(vulkan, &shape(format, EXTENT[0], EXTENT[1], 1), IMAGES);
     let frames = frames(false);
-    let depth = DepthSwapchain::new(vulkan, Frame::depth_extent(frames[0].rect));
+    let depth = DepthSwapchain { left, ..DepthSwapchain::new(vulkan, Frame::depth_extent(frames[0].rect)) };
     render(vulkan, &swapchain, &depth, &frames);
     let (lists, tiles) = (lists(&frames), compared(&frames));
     for number in 0..count {
@@ -395,5 +423,5 @@ pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32) {
         let job = ComposeJob { reuse: &region, changes: &changes, ..swapchain.job(index, &[]) };
         compose.submit(&[job]).unwrap();
     }
-    swapchain.shown(vulkan, 0, 1, 4);
+    swapchain.shown(vulkan, 0, 1, 4).swap_remove(0)
 }

@@ -1,10 +1,12 @@
 //! Copies of the depth of the last pictures, made before the application returns it to the runtime.
 
+use super::ImageMemory;
 use crate::gpu::barrier::{
     DEPTH_COPIED_TO_WRITTEN, DEPTH_WRITTEN_TO_COPIED, KEPT_DEPTH_COPIED_TO_READ, KEPT_DEPTH_READ_TO_COPIED,
 };
 use crate::gpu::{
-    Gpu, GpuError, ImageDescription, Owned, OwnedImage, RecordingKey, TextureSets, Uses, depth_view, serial,
+    Gpu, GpuError, ImageDescription, Owned, OwnedImage, Purpose, RecordingKey, TextureSets, Uses, depth_view,
+    serial,
 };
 use ash::vk;
 use parafovea_core::kernels::compose::DepthRect;
@@ -45,6 +47,8 @@ pub struct KeptDepth {
     handles: Vec<vk::Image>,
     aspects: vk::ImageAspectFlags,
     shape: DepthShape,
+    /// Memory of one of them.
+    bytes: u64,
     /// Number of copies made.
     copies: AtomicU64,
     gpu: Arc<Gpu>,
@@ -80,15 +84,30 @@ impl DepthSource {
         images: Vec<vk::Image>,
         count: u32,
     ) -> Result<Self, GpuError> {
-        let kept = Arc::new(KeptDepth::new(gpu, shape, count)?);
+        Self::within(gpu, shape, images, count, |_| true)
+    }
+
+    /// The same if `fits` returns so for the memory of one copy.
+    ///
+    /// # Errors
+    /// As there; [`GpuError::Unsupported`] if it does not fit.
+    pub fn within(
+        gpu: &Arc<Gpu>,
+        shape: &DepthShape,
+        images: Vec<vk::Image>,
+        count: u32,
+        fits: impl FnOnce(ImageMemory) -> bool,
+    ) -> Result<Self, GpuError> {
+        let kept = Arc::new(KeptDepth::new(gpu, shape, count, fits)?);
         Ok(Self { uses: Uses::new(gpu), images, kept, serial: serial() })
     }
 
-    /// Copies the depth of an image that the application has written, and releases next. Returns the number of the copy, from 1.
+    /// Copies the depth of an image that the application has written, left in `layout`, and releases next. It is in that layout again after
+    /// the copy. Returns the number of the copy, from 1.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] for an index out of range, [`GpuError::Timeout`] when earlier submits hang; a failed call.
-    pub fn copy(&self, index: u32) -> Result<u64, GpuError> {
+    pub fn copy(&self, index: u32, layout: vk::ImageLayout) -> Result<u64, GpuError> {
         let KeptDepth { handles, aspects, shape, copies, gpu, uses, .. } = &*self.kept;
         let from =
             *self.images.get(index as usize).ok_or(GpuError::Invalid("an image index out of range"))?;
@@ -98,12 +117,13 @@ impl DepthSource {
         // Stored first: during the copy, no reader relies on the depth that it overwrites.
         copies.store(copy, Ordering::Relaxed);
         let slot = self.kept.slot(copy) as u64;
-        let key = RecordingKey::from_slice(&[self.serial, index.into(), slot]);
-        let submit = gpu.next_submit()?.submit(Some(&key), |recorder| {
-            recorder.barrier_of(&DEPTH_WRITTEN_TO_COPIED, from, *aspects, layers);
+        let key = RecordingKey::from_slice(&[self.serial, index.into(), slot, layout.as_raw() as u64]);
+        let left = aspects_in(layout, *aspects);
+        let submit = gpu.next_submit(Purpose::Depth)?.submit(Some(&key), |recorder| {
+            recorder.barrier_of(&DEPTH_WRITTEN_TO_COPIED.depth_left_in(layout), from, left, layers);
             recorder.barrier_of(&KEPT_DEPTH_READ_TO_COPIED, to, *aspects, layers);
             recorder.copy_aspect(vk::ImageAspectFlags::DEPTH, [from, to], shape.extent, layers);
-            recorder.barrier_of(&DEPTH_COPIED_TO_WRITTEN, from, *aspects, layers);
+            recorder.barrier_of(&DEPTH_COPIED_TO_WRITTEN.depth_left_in(layout), from, left, layers);
             recorder.barrier_of(&KEPT_DEPTH_COPIED_TO_READ, to, *aspects, layers);
             Ok(())
         })?;
@@ -119,7 +139,12 @@ impl DepthSource {
 }
 
 impl KeptDepth {
-    fn new(gpu: &Arc<Gpu>, shape: &DepthShape, count: u32) -> Result<Self, GpuError> {
+    fn new(
+        gpu: &Arc<Gpu>,
+        shape: &DepthShape,
+        count: u32,
+        fits: impl FnOnce(ImageMemory) -> bool,
+    ) -> Result<Self, GpuError> {
         let DepthShape { format, extent, array_layers } = *shape;
         let aspects = aspects(format).ok_or(GpuError::Unsupported("a format without depth"))?;
         let description = ImageDescription {
@@ -132,9 +157,13 @@ impl KeptDepth {
             view_formats: &[],
         };
         let uses = Uses::new(gpu);
-        let images = (0..count.max(1))
-            .map(|_| OwnedImage::new(gpu, &description))
-            .collect::<Result<Vec<_>, GpuError>>()?;
+        let first = OwnedImage::new(gpu, &description)?;
+        let (bytes, heap) = first.memory();
+        if !fits(ImageMemory { bytes, remaining: gpu.remaining_memory(heap) }) {
+            return Err(GpuError::Unsupported("depth of this size"));
+        }
+        let others = (1..count).map(|_| OwnedImage::new(gpu, &description));
+        let images = std::iter::once(Ok(first)).chain(others).collect::<Result<Vec<_>, GpuError>>()?;
         let handles: Vec<vk::Image> = images.iter().map(OwnedImage::handle).collect();
         let views = handles
             .iter()
@@ -150,6 +179,7 @@ impl KeptDepth {
             handles,
             aspects,
             shape: *shape,
+            bytes,
             copies: AtomicU64::new(0),
             gpu: Arc::clone(gpu),
         })
@@ -159,6 +189,11 @@ impl KeptDepth {
     pub fn has_copy(&self, copy: u64) -> bool {
         let copies = self.copies.load(Ordering::Relaxed);
         (1..=copies).contains(&copy) && copies < copy + self.handles.len() as u64
+    }
+
+    /// Memory of all copies, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes * self.handles.len() as u64
     }
 
     /// Properties of the images.
@@ -195,6 +230,16 @@ impl PictureDepth<'_> {
     /// Notes that a submit of that number reads it.
     pub(super) fn mark(&self, submit: u64) {
         self.kept.uses.mark(submit);
+    }
+}
+
+/// Those of `aspects` that are in `layout`, which may be of depth alone.
+fn aspects_in(layout: vk::ImageLayout, aspects: vk::ImageAspectFlags) -> vk::ImageAspectFlags {
+    match layout {
+        vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL | vk::ImageLayout::DEPTH_READ_ONLY_OPTIMAL => {
+            vk::ImageAspectFlags::DEPTH
+        }
+        _ => aspects,
     }
 }
 

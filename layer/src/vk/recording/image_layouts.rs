@@ -52,7 +52,9 @@ pub unsafe extern "system" fn pipeline_barrier(
             }
             next();
             if let Some(known) = known.filter(|known| count > 0 && !known.armed.layouts.is_empty()) {
-                known.leave(images.iter().map(|barrier| (barrier.image, barrier.new_layout)));
+                known.leave(images.iter().map(|barrier| {
+                    (barrier.image, barrier.new_layout, barrier.subresource_range.aspect_mask)
+                }));
             }
         }
     );
@@ -80,16 +82,25 @@ pub unsafe extern "system" fn pipeline_barrier2(
         }
         next();
         if let Some(known) = known.filter(|known| !images.is_empty() && !known.armed.layouts.is_empty()) {
-            known.leave(images.iter().map(|barrier| (barrier.image, barrier.new_layout)));
+            known.leave(
+                images.iter().map(|barrier| {
+                    (barrier.image, barrier.new_layout, barrier.subresource_range.aspect_mask)
+                }),
+            );
         }
     });
 }
 
 impl Buffer {
-    /// Notes the layouts that commands leave followed images in.
-    pub(super) fn leave(&self, images: impl Iterator<Item = (vk::Image, vk::ImageLayout)>) {
-        let followed = images.filter(|(image, _)| self.armed.layouts.of(*image).is_some());
-        let mut followed = followed.peekable();
+    /// Notes the layouts that commands leave aspects of followed images in. Stencil alone is not read.
+    pub(super) fn leave(
+        &self,
+        images: impl Iterator<Item = (vk::Image, vk::ImageLayout, vk::ImageAspectFlags)>,
+    ) {
+        let is_followed = |image| self.armed.layouts.of(image).is_some();
+        let followed = images
+            .filter(|(image, _, aspects)| *aspects != vk::ImageAspectFlags::STENCIL && is_followed(*image));
+        let mut followed = followed.map(|(image, layout, _)| (image, layout)).peekable();
         if followed.peek().is_some() {
             self.recorded().layouts.extend(followed);
         }
@@ -101,8 +112,9 @@ impl Buffer {
             return;
         }
         let objects = &self.armed.objects;
-        self.leave(
-            targets.filter_map(|(target, layout)| Some((objects.image_of(target.image)?.handle, layout))),
-        );
+        self.leave(targets.filter_map(|(target, layout)| {
+            let image = objects.image_of(target.image)?.handle;
+            Some((image, layout, vk::ImageAspectFlags::empty()))
+        }));
     }
 }

@@ -233,7 +233,9 @@ pub unsafe extern "system" fn wait_events(
             }
             next();
             if let Some(known) = known.filter(|known| count > 0 && !known.armed.layouts.is_empty()) {
-                known.leave(images.iter().map(|barrier| (barrier.image, barrier.new_layout)));
+                known.leave(images.iter().map(|barrier| {
+                    (barrier.image, barrier.new_layout, barrier.subresource_range.aspect_mask)
+                }));
             }
         }
     );
@@ -265,8 +267,10 @@ pub unsafe extern "system" fn wait_events2(
         if let Some(known) = known.filter(|known| !known.armed.layouts.is_empty()) {
             for info in infos {
                 // SAFETY: as above.
-                let barriers = unsafe { barriers2(info) };
-                known.leave(barriers.map(|(image, layout, _)| (image, layout)));
+                let images = unsafe { slice(info.p_image_memory_barriers, info.image_memory_barrier_count) };
+                known.leave(images.iter().map(|barrier| {
+                    (barrier.image, barrier.new_layout, barrier.subresource_range.aspect_mask)
+                }));
             }
         }
     });

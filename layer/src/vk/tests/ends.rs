@@ -70,6 +70,19 @@ fn images_known_by_their_swapchain_are_forgotten_with_it() {
     let target = Target { image, level: 0, base_layer: 0, layers: 1 };
     armed.candidates.with_map(target, NoMap);
     assert!(armed.candidates.known(target).is_some());
+    assert_eq!(armed.layouts.of(images[0]), None);
+    let has_depth = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+    let read = crate::link::SwapchainRecord { is_read: 1, ..record };
+    for (record, layout) in [
+        (read, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL),
+        (
+            crate::link::SwapchainRecord { usage: has_depth, granted: has_depth, ..read },
+            vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+        ),
+    ] {
+        armed.notify_swapchain(&record, &images);
+        assert_eq!(armed.layouts.of(images[0]), Some(layout));
+    }
     armed.notify_swapchain(&record, &[]);
     assert!(armed.candidates.known(target).is_none() && armed.objects.image(images[0]).is_none());
     destroy_device(handle);

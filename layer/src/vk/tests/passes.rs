@@ -183,14 +183,26 @@ fn waits_for_events_leave_layouts_as_barriers_do() {
     let wait2 = hook!(c"vkCmdWaitEvents2KHR": PFN_vkCmdWaitEvents2);
     with_command_buffer(|handle, buffer| {
         let [image, other] = [1, 2].map(vk::Image::from_raw);
-        buffer.armed.layouts.follow(image, true);
+        buffer.armed.layouts.follow(image, true, Layout::COLOR_ATTACHMENT_OPTIMAL);
         let stages = vk::PipelineStageFlags::ALL_COMMANDS;
-        let barriers = [(image, Layout::GENERAL), (other, Layout::GENERAL)]
-            .map(|(image, layout)| vk::ImageMemoryBarrier::default().image(image).new_layout(layout));
+        let range =
+            |aspect_mask| vk::ImageSubresourceRange { aspect_mask, ..vk::ImageSubresourceRange::default() };
+        let (depth, stencil) = (vk::ImageAspectFlags::DEPTH, vk::ImageAspectFlags::STENCIL);
+        let barriers = [
+            (image, Layout::GENERAL, depth),
+            (other, Layout::GENERAL, depth),
+            (image, Layout::STENCIL_READ_ONLY_OPTIMAL, stencil),
+        ]
+        .map(|(image, layout, aspects)| {
+            vk::ImageMemoryBarrier::default()
+                .image(image)
+                .new_layout(layout)
+                .subresource_range(range(aspects))
+        });
         let event = vk::Event::from_raw(1);
         // SAFETY: the command buffer is live, and the arrays have so many elements.
         unsafe {
-            wait(handle, 1, &event, stages, stages, 0, null(), 0, null(), 2, barriers.as_ptr());
+            wait(handle, 1, &event, stages, stages, 0, null(), 0, null(), 3, barriers.as_ptr());
         }
         let barriers =
             [vk::ImageMemoryBarrier2::default().image(image).new_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)];

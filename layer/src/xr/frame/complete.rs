@@ -24,6 +24,7 @@ pub fn complete<'a>(
     let FrameEnd { active, submission, ref config, .. } = *frame;
     let wants_reuse = wants_reuse(config);
     if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
+        active.plan.keep_pictures(false);
         return;
     }
     let settings = CompletionSettings::of(config);
@@ -84,6 +85,7 @@ pub fn complete<'a>(
         let may_reuse = wants_reuse && report.feedback.allows_reuse();
         (0..2).filter(|eye| kept[*eye] && may_reuse).for_each(|eye| planner.history_kept(eye));
         planner.views.set_followed((0..2).all(follows));
+        active.plan.keep_pictures(may_reuse && kept.contains(&true));
     }
     let history: &'a History = history;
     for eye in 0..2 {

@@ -2,11 +2,13 @@
 
 use super::Swapchain;
 use super::create::runtime_images;
+use super::history_memory::depth_is_refused;
 use crate::config::{Config, ReuseMode, images_for_reuse, wants_reuse};
 use crate::gpu::GpuError;
 use crate::kernels::compose::{DepthShape, DepthSource, KeptDepth};
 use crate::link::BACKEND_RATE_ATTACHMENT;
 use crate::xr::session::{Active, Health, Tools};
+use ash::vk;
 use openxr_sys as xr;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
@@ -24,10 +26,10 @@ pub enum Depth {
 }
 
 impl Depth {
-    /// Copies the depth of an image.
-    fn with_copy(self, index: u32) -> Self {
+    /// Copies the depth of an image, which the application left in `layout`.
+    fn with_copy(self, index: u32, layout: vk::ImageLayout) -> Self {
         let Self::Available { source, .. } = self else { return self };
-        match source.copy(index) {
+        match source.copy(index, layout) {
             Ok(copy) => Self::Available { source, newest: Some(copy) },
             // The device is behind: this image has no depth copy.
             Err(GpuError::Timeout) => Self::Available { source, newest: None },
@@ -72,15 +74,20 @@ impl Swapchain {
         }
         let Some(active) = &self.session.active else { return };
         let config = active.plan.config();
-        let is_of_use = active.health() == Health::Works && is_wanted(active, &config);
+        let is_of_use =
+            active.health() == Health::Works && is_wanted(active, &config) && active.plan.needs_depth();
         let tools = active.made_tools().filter(|_| is_of_use);
         let index = self.acquired_images().ready();
+        // As OpenXR demands, where the Vulkan half does not know the image.
+        let image = index.and_then(|index| self.images().get(index as usize).copied());
+        let left = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        let left = image.map_or(left, |image| active.device.layout(image));
         // Never again after a panic.
         let known = std::mem::replace(&mut *self.depth(), Depth::Unavailable);
         let next = match (known, tools.zip(index)) {
-            (Depth::Unknown, Some((tools, index))) => self.make_depth(tools, &config).with_copy(index),
+            (Depth::Unknown, Some((tools, index))) => self.make_depth(tools, &config).with_copy(index, left),
             (Depth::Available { source, .. }, Some((_, index))) => {
-                Depth::Available { source, newest: None }.with_copy(index)
+                Depth::Available { source, newest: None }.with_copy(index, left)
             }
             (Depth::Available { source, .. }, None) => Depth::Available { source, newest: None },
             (known, _) => known,
@@ -89,12 +96,18 @@ impl Swapchain {
     }
 
     fn make_depth(&self, tools: &Tools, config: &Config) -> Depth {
-        let make = || {
+        let mut refused = None;
+        let mut make = || {
             let images = runtime_images(&self.session, self.handle)
                 .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
             let shape = self.description.depth_shape();
             let count = images_for_reuse(config);
-            DepthSource::new(&tools.gpu, &shape, images, count).map_err(|error| error.to_string())
+            let taken = super::history_memory(self.session.handle).0;
+            DepthSource::within(&tools.gpu, &shape, images, count, |memory| {
+                refused = depth_is_refused(count, taken, memory);
+                refused.is_none()
+            })
+            .map_err(|error| refused.map_or_else(|| error.to_string(), |reason| reason.to_string()))
         };
         match make() {
             Ok(source) => {
@@ -119,6 +132,14 @@ impl Swapchain {
                 Some(NewestDepth { kept: Arc::clone(source.kept()), copy: *copy })
             }
             Depth::Available { .. } | Depth::Unknown | Depth::Unavailable => None,
+        }
+    }
+
+    /// Device memory of the copies, bytes.
+    pub(super) fn depth_bytes(&self) -> u64 {
+        match &*self.depth() {
+            Depth::Available { source, .. } => source.kept().bytes(),
+            Depth::Unknown | Depth::Unavailable => 0,
         }
     }
 

@@ -99,7 +99,9 @@ impl Description {
             usage: self.usage,
             granted: self.granted,
             is_virtual: u32::from(is_virtual),
-            is_read: u32::from(is_virtual || (has_backend && self.analyzed_format().is_some())),
+            is_read: u32::from(
+                is_virtual || (has_backend && (self.analyzed_format().is_some() || self.can_copy_depth())),
+            ),
         }
     }
 }

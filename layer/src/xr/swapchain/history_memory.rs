@@ -1,4 +1,4 @@
-//! Memory of the pictures kept for re-use: images of a virtual swapchain beyond the number of the runtime's.
+//! Memory of the pictures kept for re-use: images of a virtual swapchain beyond the number of the runtime's, and copies of depth.
 
 use crate::kernels::compose::ImageMemory;
 use crate::status::HistoryTooLarge;
@@ -22,6 +22,16 @@ pub fn images(usual: u32, least: u32, memory: ImageMemory) -> Result<u32, Histor
     }
 }
 
+/// The reason why `count` copies of depth would take too much memory, if they would. The session's history takes `taken` bytes already, with
+/// which the copies of both eyes count together.
+pub fn depth_is_refused(count: u32, taken: u64, memory: ImageMemory) -> Option<HistoryTooLarge> {
+    const EYES: u64 = 2;
+    let needs = u64::from(count).saturating_mul(memory.bytes).saturating_add(taken);
+    let remaining = memory.remaining?.saturating_add(taken);
+    let share = SHARE / EYES;
+    (needs > remaining / share).then_some(HistoryTooLarge { needs, remaining, share })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -38,6 +48,20 @@ mod tests {
         assert_eq!(of(Some(0)).map_err(|refused| refused.remaining), Err(0));
         let text = refused.to_string();
         assert!(text.contains("40.0 MiB, more than 1/8 of the 320.0 MiB"), "{text}");
+    }
+
+    #[test]
+    fn depth_and_colour_of_both_eyes_share_their_part() {
+        let of = |taken, remaining| {
+            depth_is_refused(5, taken * MIB, ImageMemory { bytes: 8 * MIB, remaining: Some(remaining * MIB) })
+        };
+        assert_eq!(of(0, 160), None);
+        let refused = HistoryTooLarge { needs: 40 * MIB, remaining: 159 * MIB, share: 4 };
+        assert_eq!(of(0, 159), Some(refused));
+        // What colour has taken does not remain any more.
+        assert_eq!(of(40, 280), None);
+        assert_eq!(of(40, 279).map(|refused| refused.needs), Some(80 * MIB));
+        assert_eq!(depth_is_refused(5, 0, ImageMemory { bytes: u64::MAX, remaining: None }), None);
     }
 
     #[test]

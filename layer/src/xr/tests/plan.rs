@@ -14,7 +14,7 @@ use super::fake::vulkan_half::{
     self, Crossing, DECISIONS, GPU_NS, PASSES, STALE_WORDS, UNTRACKED_FRAMES, calls, crossings,
 };
 use super::{create_instance, fake};
-use crate::config::{Config, ConfigSnapshot, RatesBackend};
+use crate::config::{Config, ConfigSnapshot, RatesBackend, RatesGate, ReuseMode};
 use crate::link::{BACKEND_ANY, BACKEND_NONE, NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
 use crate::status::StatusSnapshot;
 use crate::status::{Topic, all_decisions};

@@ -87,6 +87,26 @@ fn frames_go_by_unnoticed_while_every_technique_is_dropped() {
     GPU_NS.set(None);
 }
 
+/// Depth is copied for pictures that are kept, while the gate has re-use on.
+#[test]
+fn depth_is_needed_only_while_tiles_are_reused() {
+    for (gate, is_needed) in [(RatesGate::On, true), (RatesGate::Auto, true), (RatesGate::Off, false)] {
+        let application = Application::new();
+        let session = session::find(application.session).unwrap();
+        let mut edited = Config::default();
+        edited.reuse.mode = ReuseMode::On;
+        edited.rates.gate = gate;
+        session.instance.config.set(edited);
+        let plan = &session.active.as_ref().unwrap().plan;
+        application.frame();
+        assert!(!plan.needs_depth(), "no picture is kept");
+        plan.keep_pictures(true);
+        assert_eq!(plan.needs_depth(), is_needed, "{gate:?}");
+        application.frame();
+        assert!(!plan.needs_depth(), "the frame ends without pictures");
+    }
+}
+
 #[test]
 fn no_frame_goes_by_unnoticed_while_rates_are_on() {
     UNTRACKED_FRAMES.set(30);
