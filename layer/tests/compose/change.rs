@@ -179,7 +179,7 @@ fn findings_are_kept_until_they_are_taken() {
     vulkan.assert_valid();
 }
 
-/// Where nobody takes them, findings do not add up.
+/// Findings do not add up if nobody takes them.
 #[test]
 fn findings_that_nobody_takes_are_dropped() {
     let vulkan = Vulkan::new();

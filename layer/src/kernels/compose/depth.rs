@@ -233,7 +233,7 @@ impl PictureDepth<'_> {
     }
 }
 
-/// Those of `aspects` that are in `layout`, which may be of depth alone.
+/// Aspects of `aspects` in `layout`, which may be of depth alone.
 fn aspects_in(layout: vk::ImageLayout, aspects: vk::ImageAspectFlags) -> vk::ImageAspectFlags {
     match layout {
         vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL | vk::ImageLayout::DEPTH_READ_ONLY_OPTIMAL => {
