@@ -15,6 +15,8 @@ pub enum Feedback {
     /// It is made of this frame's passes.
     #[default]
     None,
+    /// It is made of a scene that was drawn before the last xrEndFrame, whose stale tiles are not known with its picture.
+    Ahead,
     /// A pass before it may read anything.
     Unknown,
     /// A pass before it reads a picture of an earlier frame.
@@ -28,6 +30,7 @@ impl Feedback {
             Self::None => 0,
             Self::Unknown => 1,
             Self::Read => 2,
+            Self::Ahead => 3,
         }
     }
 
@@ -36,6 +39,7 @@ impl Feedback {
         match number {
             0 => Self::None,
             2 => Self::Read,
+            3 => Self::Ahead,
             _ => Self::Unknown,
         }
     }
@@ -50,6 +54,7 @@ impl fmt::Display for Feedback {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::None => "re-use: no pass reads images of earlier frames",
+            Self::Ahead => "re-use: left alone: the scene is drawn before the frame that shows it",
             Self::Unknown => "re-use: left alone: a pass after the scene may read images of earlier frames",
             Self::Read => "re-use: left alone: a pass reads images of earlier frames, as temporal filters do",
         })
@@ -59,6 +64,7 @@ impl fmt::Display for Feedback {
 /// The use of pictures of earlier frames, by all frames so far.
 #[derive(Debug, Default)]
 pub(super) struct FeedbackEvidence {
+    ahead_at: Option<u64>,
     unknown_at: Option<u64>,
     read_at: Option<u64>,
 }
@@ -67,10 +73,11 @@ impl FeedbackEvidence {
     /// The finding of the last frames.
     pub(super) fn newest(&self, frame: u64) -> Feedback {
         let is_held = |at: Option<u64>| at.is_some_and(|at| frame < at + HOLD);
-        match (is_held(self.read_at), is_held(self.unknown_at)) {
-            (true, _) => Feedback::Read,
-            (false, true) => Feedback::Unknown,
-            (false, false) => Feedback::None,
+        match () {
+            () if is_held(self.read_at) => Feedback::Read,
+            () if is_held(self.unknown_at) => Feedback::Unknown,
+            () if is_held(self.ahead_at) => Feedback::Ahead,
+            () => Feedback::None,
         }
     }
 
@@ -86,20 +93,24 @@ impl FeedbackEvidence {
             self.unknown_at = Some(frame);
         }
         let mut reads = told.has_feedback;
+        let mut is_drawn_ahead = false;
         for (index, event) in events.iter().enumerate() {
             match event {
                 Event::Pass(pass) => {
                     let role = provenance.role(index);
                     let is_on_the_way = matches!(role, Role::Eye | Role::FullScreen);
-                    let is_earlier = |image: ImageKey| {
+                    let picture_of = |image: ImageKey| {
                         let extent = memory.description(image).map_or([0; 2], |image| image.extent);
-                        is_picture(extent, least)
-                            && memory.eye_picture(image).is_some_and(|kept| kept.is_earlier(frame, index))
+                        memory.eye_picture(image).filter(|_| is_picture(extent, least))
                     };
+                    let is_earlier =
+                        |image| picture_of(image).is_some_and(|kept| kept.is_earlier(frame, index));
+                    let is_ahead = |image| picture_of(image).is_some_and(|kept| kept.is_ahead(frame, index));
                     // An input attachment that the pass writes is this frame's.
                     let is_own = |image: ImageKey| pass.colors.iter().any(|target| target.image == image);
                     reads |=
                         is_on_the_way && images_read(pass).any(|image| !is_own(image) && is_earlier(image));
+                    is_drawn_ahead |= is_on_the_way && images_read(pass).any(is_ahead);
                     let picture = is_on_the_way.then_some(EyePicture {
                         frame,
                         index,
@@ -110,6 +121,10 @@ impl FeedbackEvidence {
                     }
                 }
                 Event::Transfer(transfer) => {
+                    let is_shown =
+                        memory.description(transfer.to.image).is_some_and(|to| to.swapchain.is_some());
+                    let kept = memory.eye_picture(transfer.from.image);
+                    is_drawn_ahead |= is_shown && kept.is_some_and(|kept| kept.is_ahead(frame, index));
                     let from = memory.eye_picture(transfer.from.image).filter(|from| from.frame == frame);
                     let picture = from.map(|_| EyePicture { frame, index, is_passed_on: true });
                     memory.set_eye_picture(transfer.to.image, picture);
@@ -118,6 +133,9 @@ impl FeedbackEvidence {
         }
         if reads {
             self.read_at = Some(frame);
+        }
+        if is_drawn_ahead {
+            self.ahead_at = Some(frame);
         }
     }
 }
@@ -142,11 +160,15 @@ pub(super) struct EyePicture {
 }
 
 impl EyePicture {
-    /// Whether it is an earlier picture to event number `reader` of a frame. The scene that a thread of its own submits before the last xrEndFrame is
-    /// none: it was drawn after the same reader of the frame before.
+    /// Whether it is an earlier picture to event number `reader` of a frame. The scene of [`Self::is_ahead`] is none.
     fn is_earlier(&self, frame: u64, reader: usize) -> bool {
-        let is_last = self.frame + 1 == frame;
-        self.frame < frame && (!is_last || self.is_passed_on || self.index <= reader)
+        self.frame < frame && !self.is_ahead(frame, reader)
+    }
+
+    /// Whether it is a scene that a thread of its own submits before the last xrEndFrame: it was drawn after the same reader of the frame
+    /// before.
+    fn is_ahead(&self, frame: u64, reader: usize) -> bool {
+        self.frame + 1 == frame && !self.is_passed_on && self.index > reader
     }
 }
 

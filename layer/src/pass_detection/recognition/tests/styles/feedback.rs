@@ -146,8 +146,24 @@ fn a_picture_that_was_drawn_ahead() {
         app.drawn("scene", &[color], true, scene(&[]));
         app.show(&shown);
     });
-    assert_eq!(app.recognition.feedback(), Feedback::None);
+    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
     app.expect("scene", &looks(Eyes::Finer));
+}
+
+/// The same by copies.
+#[test]
+fn a_picture_that_was_drawn_ahead_and_is_copied() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    app.run(FRAMES, |app| {
+        let colors = [0, 1].map(|eye| kept(app, eye, EYE));
+        for (chain, color) in eyes.iter().zip(colors) {
+            app.copy(color, app.current(chain));
+            app.drawn("scene", &[color], true, scene(&[]));
+        }
+        app.show(&app.both(&eyes));
+    });
+    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
 }
 
 #[test]
