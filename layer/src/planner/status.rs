@@ -53,6 +53,7 @@ impl SessionPlanner {
             return;
         }
         snapshot.gpu_decides = self.gpu_decides();
+        snapshot.shaded = 0.0;
         for eye in &plan.eyes {
             (0..eye.rates.height()).for_each(|row| snapshot.count(eye.rates.row(row)));
             let statistics = eye.statistics();
