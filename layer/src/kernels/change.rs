@@ -110,7 +110,7 @@ struct Findings {
 }
 
 impl Findings {
-    /// Adds those of a submit. Where there is no room for them, the earlier ones are dropped.
+    /// Adds the findings of a submit. Without room for them, the earlier findings are dropped.
     fn add(&mut self, views: &[(View, usize)], tiles: &[u32], changes: &[f32]) {
         let room = self.tiles.capacity().min(self.changes.capacity());
         if self.tiles.len() + tiles.len() > room || self.views.len() + views.len() > self.views.inline_size()

@@ -59,7 +59,7 @@ const MOST_UNREAD: usize = 256;
 pub struct Timer {
     /// Valid bits of timestamps (`timestampValidBits`) on its queues; 0: nothing is timed in it.
     valid_bits: u64,
-    /// Spare pools of its device; `None` where nothing is timed.
+    /// Spare pools of its device; `None` without timestamps.
     spare: Option<Arc<SparePools>>,
     queries: Option<Arc<Queries>>,
     state: State,

@@ -280,7 +280,7 @@ fn one_library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> 
     Some(advise_install(finding, surroundings, layers))
 }
 
-/// Installed files that differ from those that came with this program: of the user, or of all users.
+/// Installed files, of the user or of all users, that differ from the files of this program.
 fn is_outdated(surroundings: &Surroundings) -> Option<Finding> {
     let shipped = surroundings.shipped.as_ref()?;
     let differs = |data: &Path, offers_gaze| {

@@ -105,7 +105,7 @@ impl fmt::Display for Step {
 /// Permissions of files, and of new folders.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Modes {
-    /// Without those that the umask of the process takes.
+    /// Limited by the umask of the process.
     ByUmask,
     /// Regardless of the umask; folders can be read by all users.
     Exact,

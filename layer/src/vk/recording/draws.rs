@@ -117,7 +117,7 @@ struct Open {
     is_unknown: Cell<bool>,
     /// The bound sets of the command buffer before that one: uploads are often recorded beside a frame.
     kept: Cell<Bound>,
-    /// Whether any of that is bound, or the bound sets are not those of the pass.
+    /// Whether a set with attachments or unknown content is bound, or the bound sets differ from the sets of the pass.
     may_read: Cell<bool>,
     /// Whether the bound sets were noted as read by quads, and by other draws, but for unknown content.
     noted: [Cell<bool>; 2],

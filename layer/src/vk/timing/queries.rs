@@ -205,7 +205,7 @@ fn interval([begin, end]: [u64; 2], valid_bits: u64, latest: &mut Option<u64>) -
 
 impl Drop for Queries {
     fn drop(&mut self) {
-        // Timestamps that were not read would be taken for those of the next command buffer.
+        // Unread timestamps would be taken for timestamps of the next command buffer.
         let is_read = *self.unread.get_mut() == 0;
         if let Some(pool) = self.pool.take().filter(|_| is_read) {
             self.spare.put(pool);

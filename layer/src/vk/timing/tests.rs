@@ -138,7 +138,7 @@ fn the_pools_of_freed_command_buffers_are_used_again() {
     submit(&unread, 100);
     lock(&timing.unread).clear();
     drop(unread);
-    assert_eq!(POOLS.get(), [2, 1], "its timestamps are later than those that were read");
+    assert_eq!(POOLS.get(), [2, 1], "its timestamps are later than the timestamps read before");
     let last = timer(&device, &timing);
     timing.clear();
     drop(last);

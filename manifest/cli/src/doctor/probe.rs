@@ -104,7 +104,7 @@ impl Asked {
     }
 }
 
-/// The answer among the lines, the others of which are of loaders, layers and drivers.
+/// The answer among lines of loaders, layers and drivers.
 fn answer_in(mut lines: impl Iterator<Item = Vec<u8>>) -> Option<String> {
     lines.find_map(|line| Some(String::from_utf8_lossy(&line).strip_prefix(ANSWER_PREFIX)?.to_owned()))
 }

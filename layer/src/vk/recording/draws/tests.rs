@@ -70,7 +70,11 @@ fn sets_stay_bound_while_the_thread_records_another_command_buffer() {
         open.draws_in(11);
         open.noted[1].set(true);
         open.forget_bound(12, false);
-        assert_eq!(count(this, mesh), Counted::ReadsNotNoted, "the bound sets are not those of the pass");
+        assert_eq!(
+            count(this, mesh),
+            Counted::ReadsNotNoted,
+            "the bound sets differ from the sets of the pass"
+        );
         open.sets[0].set(78);
         open.is_bound_anew(true);
         assert_eq!(count(this, mesh), Counted::ReadsNotNoted);
