@@ -6,6 +6,7 @@
 
 mod errors;
 mod jod;
+mod order;
 mod rows;
 mod statistics;
 mod subject;

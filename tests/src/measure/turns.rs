@@ -3,6 +3,7 @@
 //! Other work of a machine slows a run down for seconds at a time. Consecutive runs differ by that; consecutive frames, a
 //! fraction of a second apart, hardly do.
 
+use super::order::FrameOrder;
 use super::{Effort, Subject, Technique};
 use crate::HarnessError;
 use crate::record::Record;
@@ -30,8 +31,8 @@ pub struct Player {
     is_waiting: bool,
 }
 
-/// One turn of each technique: all are started and have their run-up one after the other, and then a frame each in turn, in
-/// an order that is reversed from frame to frame. The outcomes are in the order of `techniques`.
+/// One turn of each technique: all are started and have their run-up one after the other, and then a frame each in turn
+/// ([`play_in_turn`]). The outcomes are in the order of `techniques`.
 ///
 /// # Errors
 /// Errors of the harness, and an application that does not finish.
@@ -86,13 +87,11 @@ pub fn start_all(
     Ok(players)
 }
 
-/// Lets all have so many frames, one each in turn, in an order that is reversed from frame to frame.
+/// Lets all have so many frames, one each in turn, in a [`FrameOrder`].
 pub fn play_in_turn(players: &mut [Player], frames: u64) {
-    for frame in 0..frames {
-        match frame % 2 {
-            0 => players.iter_mut().for_each(Player::play),
-            _ => players.iter_mut().rev().for_each(Player::play),
-        }
+    let mut order = FrameOrder::of(players.len());
+    for _ in 0..frames {
+        order.next_frame().into_iter().for_each(|player| players[player].play());
     }
 }
 
