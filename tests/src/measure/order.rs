@@ -43,25 +43,30 @@ impl FrameOrder {
 #[cfg(test)]
 mod tests {
     use super::FrameOrder;
-    use proptest::prelude::*;
 
-    proptest! {
-        #[test]
-        fn each_player_has_each_frame_and_follows_each_other_one_equally_often(players in 2_usize..9) {
+    #[test]
+    fn each_player_has_each_frame_and_follows_each_other_one_equally_often() {
+        for players in 2..9 {
             let mut order = FrameOrder::of(players);
             for _ in 0..36 {
                 let mut frame = order.next_frame();
                 frame.sort_unstable();
-                prop_assert_eq!(frame, (0..players).collect::<Vec<_>>());
+                assert_eq!(frame, (0..players).collect::<Vec<_>>());
             }
             let expected = 36.0 / (players as f64 - 1.0);
-            for (previous, next) in (0..players).flat_map(|p| (0..players).map(move |n| (p, n))) {
-                let count = f64::from(order.follows[previous][next]);
-                match previous == next {
-                    true => prop_assert_eq!(count, 0.0),
-                    false => prop_assert!((count - expected).abs() <= 2.0, "{} {} {}", previous, next, count),
+            for (previous, counts) in order.follows.iter().enumerate() {
+                assert_eq!(counts[previous], 0);
+                let others = counts.iter().enumerate().filter(|&(next, _)| next != previous);
+                for (_, &count) in others {
+                    assert!((f64::from(count) - expected).abs() <= 2.0, "{players}: {:?}", order.follows);
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_single_player_has_all_frames() {
+        let mut order = FrameOrder::of(1);
+        assert_eq!([order.next_frame(), order.next_frame()], [[0], [0]]);
     }
 }
