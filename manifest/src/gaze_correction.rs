@@ -11,14 +11,14 @@ use std::io::{self, Read};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
-/// The version of the format. Version 1 had no calibration, and is read as well.
-const VERSION: u32 = 2;
+/// The version of the format. Version 1 had no calibration, and versions 1 and 2 one source alone; they are read as well.
+const VERSION: u32 = 3;
 
 /// The largest offset, degrees: more is not measured (`parafovea_core::gaze::MAX_OFFSET_DEG`).
 const MAX_OFFSET_DEG: f32 = 10.0;
 
 /// More than a file has.
-const MOST_BYTES: u64 = 4096;
+const MOST_BYTES: u64 = 16_384;
 
 /// The correction of an eye tracker.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,6 +37,9 @@ pub struct GazeCorrection {
     /// Root mean square of the samples' distances from their centre in the measurement of the offset, degrees; of the calibration before an
     /// offset was measured.
     pub spread_deg: f32,
+    /// Corrections of the headset's other sources, without such of their own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<GazeCorrection>,
 }
 
 /// A calibration: a polynomial of the second order in the angles of the gaze, and its residuals.
@@ -96,6 +99,7 @@ impl GazeCorrection {
             calibration: None,
             offset_deg: offset_deg.map(hundredths),
             spread_deg: hundredths(spread_deg),
+            others: Vec::new(),
         }
     }
 
@@ -103,6 +107,20 @@ impl GazeCorrection {
     #[must_use]
     pub fn with_calibration(self, calibration: Option<GazeCalibration>) -> Self {
         Self { calibration: calibration.map(GazeCalibration::rounded), ..self }
+    }
+
+    /// The same in place of `stored`, whose corrections of other sources stay.
+    #[must_use]
+    pub fn in_place_of(self, stored: Option<&Self>) -> Self {
+        let others = stored.into_iter().flat_map(Self::of_all_sources);
+        let others = others.filter(|other| other.source != self.source);
+        let others = others.map(|other| Self { others: Vec::new(), ..other.clone() }).collect();
+        Self { others, ..self }
+    }
+
+    /// The corrections of all sources: this one first.
+    pub fn of_all_sources(&self) -> impl Iterator<Item = &Self> {
+        std::iter::once(self).chain(&self.others)
     }
 
     /// The file for a headset; `None` without a home, or without a name.
@@ -130,22 +148,27 @@ impl GazeCorrection {
         if !(1..=VERSION).contains(&read.version) {
             return Err(fault(&format!("version = {}: expected 1 to {VERSION}", read.version)));
         }
-        let [left, up] = read.offset_deg;
-        if !left.is_finite() || !up.is_finite() || left.hypot(up) > MAX_OFFSET_DEG + 0.1 {
-            return Err(fault(&format!(
-                "offset_deg = [{left}, {up}]: expected at most {MAX_OFFSET_DEG} degrees in all"
-            )));
-        }
-        if let Some(calibration) = &read.calibration {
-            let GazeCalibration { coefficients_deg, area_deg, error_deg, error_before_deg, dots_deg } =
-                calibration;
-            let residuals = dots_deg.iter().flatten().chain([error_deg, error_before_deg]);
-            let all = coefficients_deg.iter().flatten().chain(area_deg.iter().flatten()).chain(residuals);
-            if let Some(value) = all.into_iter().find(|value| !value.is_finite()) {
-                return Err(fault(&format!("calibration: {value}: expected a finite number")));
-            }
-        }
+        read.of_all_sources().try_for_each(Self::check).map_err(|error| fault(&error))?;
         Ok(Some(Self { version: VERSION, ..read }))
+    }
+
+    /// Finds a value that is out of its range.
+    fn check(&self) -> Result<(), String> {
+        let [left, up] = self.offset_deg;
+        if !left.is_finite() || !up.is_finite() || left.hypot(up) > MAX_OFFSET_DEG + 0.1 {
+            return Err(format!(
+                "offset_deg = [{left}, {up}]: expected at most {MAX_OFFSET_DEG} degrees in all"
+            ));
+        }
+        let Some(calibration) = &self.calibration else { return Ok(()) };
+        let GazeCalibration { coefficients_deg, area_deg, error_deg, error_before_deg, dots_deg } =
+            calibration;
+        let residuals = dots_deg.iter().flatten().chain([error_deg, error_before_deg]);
+        let all = coefficients_deg.iter().flatten().chain(area_deg.iter().flatten()).chain(residuals);
+        match all.into_iter().find(|value| !value.is_finite()) {
+            Some(value) => Err(format!("calibration: {value}: expected a finite number")),
+            None => Ok(()),
+        }
     }
 
     /// Stores it in place of the last one at `path`.
@@ -224,6 +247,25 @@ mod tests {
     }
 
     #[test]
+    fn a_correction_replaces_that_of_its_own_source_alone() {
+        let eyes = GazeCorrection::new("a", "eyes", [1.0, 2.0], 0.1).with_calibration(Some(calibration()));
+        let osc = GazeCorrection::new("a", "osc", [3.0, 0.0], 0.1).in_place_of(Some(&eyes));
+        assert_eq!(osc.others, [eyes.clone()]);
+        let state = tempfile::tempdir().unwrap();
+        let path = state.path().join("a.json");
+        osc.write(&path).unwrap();
+        assert_eq!(GazeCorrection::read(&path), Ok(Some(osc.clone())));
+        let moved = GazeCorrection::new("a", "osc", [4.0, 0.0], 0.1).in_place_of(Some(&osc));
+        assert_eq!(moved.others, [eyes]);
+        let again = GazeCorrection::new("a", "eyes", [0.0; 2], 0.1).in_place_of(Some(&moved));
+        let sources = again.of_all_sources().map(|one| (one.source.as_str(), one.others.len()));
+        assert_eq!(sources.collect::<Vec<_>>(), [("eyes", 1), ("osc", 0)]);
+        let text = fs::read_to_string(&path).unwrap().replace("2.0", "1e39");
+        fs::write(&path, text).unwrap();
+        assert!(GazeCorrection::read(&path).unwrap_err().contains("offset_deg = [1, inf]"));
+    }
+
+    #[test]
     fn a_calibration_is_stored_with_its_residuals() {
         let state = tempfile::tempdir().unwrap();
         let path = state.path().join("a.json");
@@ -253,7 +295,7 @@ mod tests {
             ("", "EOF"),
             ("\u{0}\u{1}", "expected value"),
             (&good[..40], "EOF"),
-            (&good.replace("\"version\":1", "\"version\":3"), "version = 3: expected 1 to 2"),
+            (&good.replace("\"version\":1", "\"version\":4"), "version = 4: expected 1 to 3"),
             (&calibrated.replace("0.625", "1e39"), "calibration: inf: expected a finite number"),
             (&calibrated.replace("0.625,", ""), "invalid length"),
             (&good.replace("[1,2]", "[9,9]"), "offset_deg = [9, 9]: expected at most 10 degrees in all"),

@@ -22,7 +22,7 @@ pub struct SessionGazeCorrection(Mutex<State>);
 
 #[derive(Debug, Default)]
 struct State {
-    correction: Option<Correction>,
+    corrections: Corrections,
     measurement: Option<Measurement>,
     drift: GazeDrift,
     /// The source of the gaze whose drift it is.
@@ -31,7 +31,7 @@ struct State {
 
 impl State {
     fn corrected(&self, source: ActiveGazeSource, look: Look) -> Look {
-        match (look, self.correction.filter(|correction| correction.source == source)) {
+        match (look, self.corrections.of(source)) {
             (Look::At { direction: seen, sampled_ns, uncertainty_ns }, Some(correction))
                 if seen != Vec3::ZERO =>
             {
@@ -53,6 +53,20 @@ struct Correction {
 }
 
 impl Correction {
+    /// As it is stored.
+    ///
+    /// # Errors
+    /// The fault of the calibration.
+    fn stored(stored: &GazeCorrection, source: ActiveGazeSource) -> Result<Self, &'static str> {
+        let polynomial = |stored: &GazeCalibration| {
+            GazePolynomial::new(stored.coefficients_deg, stored.area_deg).ok_or(
+                "calibration: coefficients_deg: expected corrections of at most 10 degrees within area_deg, without a fold",
+            )
+        };
+        let calibration = stored.calibration.as_ref().map(polynomial).transpose()?;
+        Ok(Self { source, calibration, offset_deg: stored.offset_deg })
+    }
+
     /// Without an offset.
     fn calibrated(&self, left_up_deg: [f32; 2]) -> [f32; 2] {
         self.calibration.map_or(left_up_deg, |calibration| calibration.corrected(left_up_deg))
@@ -61,6 +75,32 @@ impl Correction {
     fn corrected(&self, left_up_deg: [f32; 2]) -> [f32; 2] {
         let [left, up] = self.calibrated(left_up_deg);
         [left + self.offset_deg[0], up + self.offset_deg[1]]
+    }
+}
+
+/// The corrections of a headset: at most one of each source.
+#[derive(Clone, Copy, Debug, Default)]
+struct Corrections([Option<Correction>; EYE_TRACKERS.len()]);
+
+/// Sources of a gaze that can be corrected.
+const EYE_TRACKERS: [ActiveGazeSource; 2] = [ActiveGazeSource::Eyes, ActiveGazeSource::Osc];
+
+impl Corrections {
+    /// As they are stored.
+    ///
+    /// # Errors
+    /// The fault of a calibration.
+    fn stored(stored: &GazeCorrection) -> Result<Self, &'static str> {
+        let mut corrections = Self::default();
+        for (correction, source) in corrections.0.iter_mut().zip(EYE_TRACKERS) {
+            let of_source = stored.of_all_sources().find(|one| one.source == source.name());
+            *correction = of_source.map(|one| Correction::stored(one, source)).transpose()?;
+        }
+        Ok(corrections)
+    }
+
+    fn of(&self, source: ActiveGazeSource) -> Option<Correction> {
+        self.0.into_iter().flatten().find(|correction| correction.source == source)
     }
 }
 
@@ -134,8 +174,7 @@ impl SessionGazeCorrection {
         let mut guard = self.state();
         let state = &mut *guard;
         if let Some(measurement) = &mut state.measurement {
-            let correction = state.correction.filter(|correction| correction.source == source);
-            measurement.push(source, look, correction.as_ref(), time_ns);
+            measurement.push(source, look, state.corrections.of(source).as_ref(), time_ns);
         }
         state.corrected(source, look)
     }
@@ -171,9 +210,13 @@ impl SessionGazeCorrection {
         self.state().measurement.as_ref().map_or([0.0; 2], |measurement| DOTS_DEG[measurement.dot()])
     }
 
-    fn set_correction(&self, correction: Option<Correction>) {
+    fn correction(&self, source: Option<ActiveGazeSource>) -> Option<Correction> {
+        self.state().corrections.of(source?)
+    }
+
+    fn set_corrections(&self, corrections: Corrections) {
         let mut state = self.state();
-        (state.correction, state.drift) = (correction, GazeDrift::default());
+        (state.corrections, state.drift) = (corrections, GazeDrift::default());
     }
 
     /// Begins a measurement, or with `None` ends it without a result.
@@ -263,7 +306,7 @@ impl CorrectionRequests {
         }
         let (correction, known) = read.ok().flatten().unzip();
         if correction != self.status.correction {
-            self.correcting.set_correction(known.flatten());
+            self.correcting.set_corrections(known.unwrap_or_default());
             self.status.correction = correction;
         }
     }
@@ -271,7 +314,8 @@ impl CorrectionRequests {
     /// Stores the result of a measurement, or returns why there is none.
     fn store(&mut self, measured: &Measurement) -> Result<(), String> {
         let source = measured.source.map_or("", ActiveGazeSource::name);
-        let present = self.status.correction.as_ref().filter(|present| present.source == source);
+        let stored = self.status.correction.as_ref();
+        let present = stored.and_then(|stored| stored.of_all_sources().find(|one| one.source == source));
         let correction = match &measured.dots {
             Shown::One(recentring) => {
                 let GazeOffset { offset_deg, spread_deg } =
@@ -280,13 +324,14 @@ impl CorrectionRequests {
                 offset.with_calibration(present.and_then(|present| present.calibration.clone()))
             }
             Shown::Nine(calibration) => {
-                let present = present.and_then(|present| known(present).ok().flatten());
+                let present = self.correcting.correction(measured.source);
                 let before = |angles| present.map_or(angles, |present| present.corrected(angles));
-                let fit = stored(&calibration.fit(before).map_err(|reason| reason.to_string())?);
+                let fit = stored_fit(&calibration.fit(before).map_err(|reason| reason.to_string())?);
                 let (_, spread_deg) = fit.accuracy_and_precision_deg();
                 GazeCorrection::new(&self.headset, source, [0.0; 2], spread_deg).with_calibration(Some(fit))
             }
         };
+        let correction = correction.in_place_of(stored);
         let file = self.file.as_ref().ok_or(match self.headset.is_empty() {
             true => "the runtime does not name the headset",
             false => "neither XDG_STATE_HOME nor HOME is set, so there is no folder for the correction",
@@ -305,29 +350,15 @@ impl CorrectionRequests {
     }
 }
 
-/// The correction of a file, in the file's form and in that of frames.
-fn read(file: &Path) -> Result<Option<(GazeCorrection, Option<Correction>)>, String> {
+/// The corrections of a file, in the file's form and in that of frames.
+fn read(file: &Path) -> Result<Option<(GazeCorrection, Corrections)>, String> {
     let Some(stored) = GazeCorrection::read(file)? else { return Ok(None) };
-    let known = known(&stored).map_err(|fault| format!("{}: {fault}", file.display()))?;
-    Ok(Some((stored, known)))
-}
-
-/// A stored correction, for frames; `None` for a source of no eye tracker.
-fn known(stored: &GazeCorrection) -> Result<Option<Correction>, &'static str> {
-    let polynomial = |stored: &GazeCalibration| {
-        GazePolynomial::new(stored.coefficients_deg, stored.area_deg).ok_or(
-            "calibration: coefficients_deg: expected corrections of at most 10 degrees within area_deg, without a fold",
-        )
-    };
-    let calibration = stored.calibration.as_ref().map(polynomial).transpose()?;
-    let source = [ActiveGazeSource::Eyes, ActiveGazeSource::Osc]
-        .into_iter()
-        .find(|source| source.name() == stored.source);
-    Ok(source.map(|source| Correction { source, calibration, offset_deg: stored.offset_deg }))
+    let corrections = Corrections::stored(&stored).map_err(|fault| format!("{}: {fault}", file.display()))?;
+    Ok(Some((stored, corrections)))
 }
 
 /// The file's form of a fit.
-fn stored(fit: &CalibrationFit) -> GazeCalibration {
+fn stored_fit(fit: &CalibrationFit) -> GazeCalibration {
     GazeCalibration {
         coefficients_deg: fit.polynomial.coefficients_deg(),
         area_deg: fit.polynomial.area_deg(),

@@ -202,6 +202,21 @@ fn a_calibration_removes_a_distortion_and_an_offset_is_measured_after_it() {
 }
 
 #[test]
+fn a_measurement_of_another_source_keeps_the_calibration() {
+    let mut session = Session::new();
+    let calibrated = session.calibrate(1, distorted).correction.unwrap();
+    let other = session.measure(2, ActiveGazeSource::Osc, Some([2.0, 0.0])).correction.unwrap();
+    assert_eq!((other.source.as_str(), &other.others[..]), ("osc", std::slice::from_ref(&calibrated)));
+    assert!(is_near(angles(session.look(ActiveGazeSource::Osc, Some([2.0, 0.0]))), [0.0, 0.0]));
+    let eyes = angles(session.look(ActiveGazeSource::Eyes, Some(distorted([8.0, -5.0]))));
+    assert!((eyes[0] - 8.0).hypot(eyes[1] + 5.0) < 0.1, "{eyes:?}");
+    let [left, up] = distorted([0.0; 2]);
+    let recentred = session.measure(3, ActiveGazeSource::Eyes, Some([left + 1.5, up])).correction.unwrap();
+    assert_eq!(recentred.calibration, calibrated.calibration);
+    assert_eq!(recentred.others[0].offset_deg, [-2.0, 0.0]);
+}
+
+#[test]
 fn a_calibration_that_is_no_better_than_before_changes_nothing() {
     let mut session = Session::new();
     let first = session.calibrate(1, distorted).correction;
