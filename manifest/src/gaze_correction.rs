@@ -250,7 +250,7 @@ mod tests {
     fn a_correction_replaces_that_of_its_own_source_alone() {
         let eyes = GazeCorrection::new("a", "eyes", [1.0, 2.0], 0.1).with_calibration(Some(calibration()));
         let osc = GazeCorrection::new("a", "osc", [3.0, 0.0], 0.1).in_place_of(Some(&eyes));
-        assert_eq!(osc.others, [eyes.clone()]);
+        assert_eq!(osc.others, std::slice::from_ref(&eyes));
         let state = tempfile::tempdir().unwrap();
         let path = state.path().join("a.json");
         osc.write(&path).unwrap();

@@ -12,7 +12,7 @@ use parafovea_tests::osc::{Sender, message};
 use parafovea_tests::run::{Application, Run, Running};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::time::SystemTime;
 
 /// A tracker with a scale of 1.1, turned by 2 degrees and off by 3 degrees, of eyes that look so far to the left and upwards.
@@ -25,10 +25,14 @@ fn distorted([left, up]: [f32; 2]) -> [f32; 2] {
 const OFFSET: [f32; 2] = [3.0, -1.0];
 
 fn parafovea(running: &Running, state: &Path, arguments: &[&str]) -> Output {
+    command(running, state, arguments).output().unwrap()
+}
+
+fn command(running: &Running, state: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(program("parafovea").unwrap());
     command.arg("gaze").args(arguments);
     command.env("XDG_RUNTIME_DIR", running.runtime_folder()).env("XDG_STATE_HOME", state);
-    command.output().unwrap()
+    command
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -133,6 +137,27 @@ fn a_distortion_is_measured_with_nine_dots_and_removed() {
     let output = parafovea(&running, state, &["calibrate", "--reset"]);
     assert_eq!(text(&output.stdout), format!("removed {}\n", file.display()));
     told(&running, |status| status.gaze_correction.correction.is_none());
+}
+
+#[test]
+fn an_interrupted_measurement_changes_nothing_and_removes_the_dot() {
+    let [left, up] = OFFSET;
+    let running = follows_the_eyes(&long().in_real_time().gazing(left, up));
+    let file =
+        PathBuf::from(told(&running, |status| !status.gaze_correction.file.is_empty()).gaze_correction.file);
+    let mut command = command(&running, file.ancestors().nth(3).unwrap(), &["recentre"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    told(&running, |status| status.gaze_correction.is_measuring);
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let output = child.wait_with_output().unwrap();
+    let errors = text(&output.stderr);
+    assert!(
+        !output.status.success() && errors.contains("interrupted: the correction is unchanged"),
+        "{errors}"
+    );
+    let status = told(&running, |status| !status.gaze_correction.is_measuring && !status.debug_view.is_asked);
+    assert_eq!((status.gaze_correction.correction, file.exists()), (None, false));
 }
 
 #[test]

@@ -7,7 +7,12 @@ use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{
     CorrectionStatus, Found, GazeMeasurement, Status, ask_measurement, ask_view,
 };
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::io;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -15,8 +20,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 ///
 /// A red dot appears in front of the head, in the headset of a running application. Look at it without moving your head until it disappears,
 /// after about five seconds. The offset between gaze and dot is stored for this headset and eye tracker, and corrects the gaze in all
-/// applications, in addition to gaze.offset_deg. A stored calibration stays in use; only its offset changes. If the command is interrupted,
-/// parafovea status --view settings removes the dot.
+/// applications, in addition to gaze.offset_deg. A stored calibration stays in use; only its offset changes. Ctrl+C ends the measurement
+/// without a result.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Recentre {
     #[command(flatten)]
@@ -27,8 +32,8 @@ pub struct Recentre {
 ///
 /// A red dot appears at nine places one after the other, in the headset of a running application. Follow it with your eyes, without
 /// moving your head, until it disappears, after about 15 seconds. The correction is stored for this headset and eye tracker, and applies in
-/// all applications: a constant angle, and scale, rotation and curvature if they lower the error. If the command is interrupted, parafovea
-/// status --view settings removes the dot.
+/// all applications: a constant angle, and scale, rotation and curvature if they lower the error. Ctrl+C ends the measurement without a
+/// result.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Calibrate {
     #[command(flatten)]
@@ -98,6 +103,7 @@ fn measured(
 ) -> Result<String, String> {
     let found = read(environment, application).map_err(|error| error.to_string())?.0;
     let Status { pid, debug_view, .. } = &chosen(found)?;
+    let interrupted = interruption().map_err(|error| format!("signals cannot be handled: {error}"))?;
     let before = debug_view.is_asked.then(|| DebugView::of_name(&debug_view.name)).flatten();
     crate::print(match kind {
         GazeMeasurement::Recentre => {
@@ -107,7 +113,7 @@ fn measured(
             "Follow the red dot in the headset with your eyes until it disappears. Do not move your head.\n"
         }
     });
-    let outcome = ask(environment, kind, *pid);
+    let outcome = ask(environment, kind, *pid, &interrupted);
     // An application that ended meanwhile took its requests along.
     let _ = ask_measurement(environment, *pid, None);
     let _ = ask_view(environment, *pid, before);
@@ -132,9 +138,24 @@ fn chosen(found: Vec<Found>) -> Result<Status, String> {
     }
 }
 
+/// Whether the command was interrupted or its terminal closed, from now on. The second interruption ends it at once, as ever.
+fn interruption() -> io::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::<AtomicBool>::default();
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        flag::register_conditional_default(signal, Arc::clone(&interrupted))?;
+        flag::register(signal, Arc::clone(&interrupted))?;
+    }
+    Ok(interrupted)
+}
+
 /// Shows the dot, and has the gaze measured.
-fn ask(environment: &Environment, kind: GazeMeasurement, pid: u32) -> Result<CorrectionStatus, String> {
-    let refused = |error: std::io::Error| format!("could not send the request: {error}");
+fn ask(
+    environment: &Environment,
+    kind: GazeMeasurement,
+    pid: u32,
+    interrupted: &AtomicBool,
+) -> Result<CorrectionStatus, String> {
+    let refused = |error: io::Error| format!("could not send the request: {error}");
     ask_view(environment, pid, Some(DebugView::Ahead)).map_err(refused)?;
     let status = status_of(environment, pid)?;
     shown_view(environment, &status, Some(DebugView::Ahead))?;
@@ -158,6 +179,9 @@ fn ask(environment: &Environment, kind: GazeMeasurement, pid: u32) -> Result<Cor
         if kind == GazeMeasurement::Calibrate && status.number == number && status.dot > dot {
             dot = status.dot;
             crate::print(&format!("dot {dot} of 9\n"));
+        }
+        if interrupted.load(Ordering::Relaxed) {
+            return Err("interrupted: the correction is unchanged".to_owned());
         }
         sleep(EVERY);
     }
