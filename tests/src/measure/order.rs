@@ -7,7 +7,7 @@
 /// for carry-over effects (Williams, 1949), made step by step for any number of frames.
 #[derive(Clone, Debug)]
 pub struct FrameOrder {
-    /// How often a player followed another one: `follows[previous][next]`.
+    /// Number of times that a player followed another one: `follows[previous][next]`.
     follows: Vec<Vec<u32>>,
     /// Player that had the last frame.
     previous: Option<usize>,
