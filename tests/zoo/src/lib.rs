@@ -22,7 +22,7 @@ mod xr;
 pub use ash::vk::Format;
 pub use gpu::Device;
 pub use options::Options;
-pub use style::{Arrangement, Style, Threads};
+pub use style::{Arrangement, History, Style, Threads};
 pub use styles::STYLES;
 pub use support::{Feature, Needs, OpenXr, Queues};
 pub use truth::{Eyes, PassSeen, PassTruth};

@@ -48,8 +48,8 @@ pub struct Style {
     pub can_show_look: bool,
     /// Reason for which a pixel of the image depends on pixels far from it, such as auto-exposure.
     pub global: Option<&'static str>,
-    /// Whether its images are blended with images of earlier frames.
-    pub keeps_history: bool,
+    /// Use of earlier frames' images in its own.
+    pub history: History,
     /// Allowed difference of its images from `render-pass`'s: the mean over all pixels and colour channels, in code
     /// values (0 to 255). None: it shows the scene in another way.
     pub likeness: Option<f64>,
@@ -58,6 +58,17 @@ pub struct Style {
     pub passes: fn(size: [u32; 2], frame: u64) -> Vec<PassTruth>,
     /// Makes its resources, and returns the recorder of a frame.
     pub(crate) start: for<'a> fn(&'a App<'a>) -> Result<Recorder<'a>>,
+}
+
+/// Use of earlier frames' images, as far as it can be seen from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum History {
+    /// None: full-screen passes read images of their own frame.
+    None,
+    /// Unknown: compute makes the image, and may read any others.
+    Unknown,
+    /// Its images are blended with images of earlier frames.
+    Blended,
 }
 
 impl Style {
@@ -73,7 +84,7 @@ impl Style {
         can_set_rates: false,
         can_show_look: false,
         global: None,
-        keeps_history: false,
+        history: History::None,
         likeness: Some(0.0),
         passes: |_, _| Vec::new(),
         start: |_| Ok(Box::new(|_| Ok(()))),

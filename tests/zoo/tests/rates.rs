@@ -10,7 +10,7 @@ mod effort;
 #[path = "common/trial.rs"]
 mod trial;
 
-use drawn::{AS_PUBLISHED, FEEDBACK_LINE, PERIOD, compare};
+use drawn::{AS_PUBLISHED, PERIOD, check_history, compare};
 use effort::{Effort, is_full, moving_gaze};
 use libtest_mimic::{Arguments, Failed};
 use parafovea_test_layers::{
@@ -19,7 +19,7 @@ use parafovea_test_layers::{
 };
 use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Eyes, PassTruth, STYLES, Style};
+use parafovea_zoo::{Eyes, History, PassTruth, STYLES, Style};
 use std::process::ExitCode;
 use trial::{driver, skip_unless_run, trial};
 
@@ -139,8 +139,8 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
     let (findings, seen) = lines(on.shading_rates()?);
     assert_eq!(findings, []);
     let is_left_out = seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse);
-    assert!(is_left_out || style.keeps_history, "nothing was left out\n{}", on.log);
-    assert_eq!(on.log.contains(FEEDBACK_LINE), style.keeps_history, "{}", on.log);
+    assert!(is_left_out || style.history != History::None, "nothing was left out\n{}", on.log);
+    check_history(style, &on.log);
     let has_two = style.needs.queues.are_two();
     let off = Run::new(&application(style, effort)?, &scenario)
         .driver(driver(style))

@@ -5,7 +5,7 @@ use crate::app::{App, EYES, Recorder};
 use crate::gpu::{Depth, ImageSpec, Kind, PassSpec, PipelineSpec};
 use crate::scene::{Draw, FORWARD};
 use crate::shader;
-use crate::style::Style;
+use crate::style::{History, Style};
 use crate::truth::{Eyes, PassTruth};
 use crate::xr::COLOR;
 use anyhow::Result;
@@ -20,6 +20,7 @@ pub const STYLE: Style = Style {
     direct: false,
     likeness: None,
     can_set_rates: true,
+    history: History::Unknown,
     passes: |size, _| {
         let scene = |eyes| PassTruth::new(small(size), HDR, eyes, "scene");
         [Eyes::Left, Eyes::Right]

@@ -8,7 +8,7 @@ use crate::gpu::{Depth, Image, ImageSpec, Kind, Pass, PassSpec, PipelineSpec};
 use crate::look::Look;
 use crate::scene::{Draw, Projection, Uniforms};
 use crate::shader;
-use crate::style::Style;
+use crate::style::{History, Style};
 use crate::truth::{Eyes, PassTruth};
 use crate::xr::COLOR;
 use anyhow::Result;
@@ -21,7 +21,7 @@ pub const STYLE: Style = Style {
     likeness: None,
     can_set_rates: true,
     can_show_look: true,
-    keeps_history: true,
+    history: History::Blended,
     passes: |size, _| {
         let eye = |eyes| {
             [

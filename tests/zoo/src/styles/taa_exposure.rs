@@ -5,7 +5,7 @@ use crate::app::{App, Recorder};
 use crate::gpu::{Depth, Gpu, Image, ImageSpec, Kind, Pass, PassSpec, PipelineSpec, Shader, Target};
 use crate::scene::{Draw, FORWARD, Projection, Uniforms};
 use crate::shader;
-use crate::style::Style;
+use crate::style::{History, Style};
 use crate::truth::{Eyes, PassTruth};
 use crate::xr::COLOR;
 use anyhow::Result;
@@ -21,7 +21,7 @@ pub const STYLE: Style = Style {
     says: "temporal anti-aliasing and auto-exposure between the scene and the swapchain",
     direct: false,
     global: Some("auto-exposure"),
-    keeps_history: true,
+    history: History::Blended,
     likeness: None,
     can_set_rates: true,
     passes: |size, _| {

@@ -1,7 +1,7 @@
 //! Images whose periphery is re-used as in paper B, against the application's images.
 
 use parafovea_tests::picture::Picture;
-use parafovea_zoo::Style;
+use parafovea_zoo::{History, Style};
 
 /// Frames of the longest period.
 pub const PERIOD: u64 = 3;
@@ -21,12 +21,21 @@ const TILE: u32 = 16;
 /// earlier traces have faded.
 const TILE_LIMIT: f64 = 1.0;
 
-/// Line of the log where nothing is re-used, as passes read pictures of earlier frames.
-pub const FEEDBACK_LINE: &str = "re-use: left alone: a pass reads images of earlier frames";
+/// Asserts that the log says of passes that read images of earlier frames, or may read such, what is true of a style.
+pub fn check_history(style: &Style, log: &str) {
+    let says = |line: &str| log.contains(&format!("re-use: left alone: {line}"));
+    let said = match (says("a pass reads images of earlier frames"), says("a pass after the scene may read"))
+    {
+        (true, _) => History::Blended,
+        (false, true) => History::Unknown,
+        (false, false) => History::None,
+    };
+    assert_eq!(said, style.history, "{log}");
+}
 
 /// Asserts that an image is made of the application's images, given the newest first.
 pub fn compare(style: &Style, eye: usize, on: &Picture, off: &[Picture]) {
-    if style.keeps_history {
+    if style.history == History::Blended {
         return compare_tiles(eye, on, &off[0]);
     }
     let of_one_size = off.iter().all(|off| (off.width, off.height) == (on.width, on.height));

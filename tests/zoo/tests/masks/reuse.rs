@@ -1,7 +1,7 @@
 //! The same styles with a periphery that is re-used as paper B does it, from one frame's pixels to the next one's: every
 //! pixel is one that the application drew there, in this frame or in one of the last.
 
-use crate::drawn::{AS_PUBLISHED, FEEDBACK_LINE, PERIOD, compare};
+use crate::drawn::{AS_PUBLISHED, PERIOD, check_history, compare};
 use crate::effort::Effort;
 use crate::{Expected, masked, run};
 use libtest_mimic::Failed;
@@ -21,8 +21,7 @@ pub fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {
     let scenario = effort.scenario().saving(&saved);
     let (on, noted) = masked(style, effort, scenario.clone(), AS_PUBLISHED)?;
     if matches!(expected, Expected::Engaged) {
-        let is_left_alone = on.log.contains(FEEDBACK_LINE);
-        assert_eq!(is_left_alone, style.keeps_history, "{}", on.log);
+        check_history(style, &on.log);
     }
     let off = run(style, effort, scenario, LayerMode::Off, None)?.expect_frames(effort.frames)?;
     for eye in 0..2 {
