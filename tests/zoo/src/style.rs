@@ -60,7 +60,7 @@ pub struct Style {
     pub(crate) start: for<'a> fn(&'a App<'a>) -> Result<Recorder<'a>>,
 }
 
-/// Use of earlier frames' images, as far as it can be seen from outside.
+/// Use of earlier frames' images, as known from the commands of the application.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum History {
     /// None: full-screen passes read images of their own frame.

@@ -53,7 +53,7 @@ struct Correction {
 }
 
 impl Correction {
-    /// As it is stored.
+    /// The stored correction of a source.
     ///
     /// # Errors
     /// The fault of the calibration.
@@ -86,7 +86,7 @@ struct Corrections([Option<Correction>; EYE_TRACKERS.len()]);
 const EYE_TRACKERS: [ActiveGazeSource; 2] = [ActiveGazeSource::Eyes, ActiveGazeSource::Osc];
 
 impl Corrections {
-    /// As they are stored.
+    /// The stored corrections of all eye trackers.
     ///
     /// # Errors
     /// The fault of a calibration.

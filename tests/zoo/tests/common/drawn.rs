@@ -21,7 +21,7 @@ const TILE: u32 = 16;
 /// earlier traces have faded.
 const TILE_LIMIT: f64 = 1.0;
 
-/// Asserts that the log says of passes that read images of earlier frames, or may read such, what is true of a style.
+/// Asserts that the log gives the style's [`History`].
 pub fn check_history(style: &Style, log: &str) {
     let says = |line: &str| log.contains(&format!("re-use: left alone: {line}"));
     let said = match (says("a pass reads images of earlier frames"), says("a pass after the scene may read"))
