@@ -1,9 +1,10 @@
 //! `cargo dev bench overhead [--json] [--instructions]`. The last counts instructions alone, which the machine's other work does
-//! not change. `--driver NAME [CASE...]` measures the cost of planning per frame on a real driver over a no-op kernel shim, with
-//! the layer's library of `--library PATH`; `cargo dev bench` passes a release build.
+//! not change. `--driver NAME [CASE...]` measures the cost of planning per frame on a real driver over a no-op kernel shim, and `--driver gpu` on
+//! this machine's GPU, with the layer's library of `--library PATH`; `cargo dev bench` passes a release build.
 
 use parafovea_tests::HarnessError;
-use parafovea_tests::drivers::ShimDevice;
+use parafovea_tests::device::Machine;
+use parafovea_tests::drivers::{ShimDevice, Target};
 use parafovea_tests::installation::Driver;
 use parafovea_tests::overhead::{
     Added, Effort, Figure, hello_xr, planning, recording, recording_instructions,
@@ -12,6 +13,9 @@ use parafovea_tests::run::Run;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// Name of this machine's GPU.
+const GPU: &str = "gpu";
 
 fn main() -> ExitCode {
     // `cargo bench` adds `--bench`.
@@ -46,18 +50,15 @@ fn measure(arguments: &[String]) -> Result<(), String> {
             .filter(|argument| !argument.starts_with("--") && !options.contains(&Some(argument)))
             .cloned()
             .collect();
-        let driver = ShimDevice::of_name(device).map(Driver::Shim).ok_or_else(|| {
-            let known: Vec<&str> = ShimDevice::ALL.iter().map(|device| device.name()).collect();
-            format!("--driver {device}: not one of {}", known.join(", "))
-        })?;
+        let target = target(device)?;
         let prepare = |run: Run| {
-            let run = run.driver(driver);
+            let run = target.set_up(run);
             match &library {
                 Some(library) => run.library(library),
                 None => run,
             }
         };
-        let added = planning(device, &cases, Effort::PLANNING, prepare).map_err(failed)?;
+        let added = planning(target.name(), &cases, Effort::PLANNING, prepare).map_err(failed)?;
         added.iter().for_each(if json { print_json } else { print_added });
         return Ok(());
     }
@@ -69,6 +70,16 @@ fn measure(arguments: &[String]) -> Result<(), String> {
     };
     figures.iter().for_each(if json { print_json } else { print_row });
     Ok(())
+}
+
+/// The device of `--driver`: [`GPU`], or one that a shim fakes.
+fn target(name: &str) -> Result<Target, String> {
+    if name == GPU {
+        return Machine::of(Driver::System).map(Target::Gpu).map_err(|error| error.to_string());
+    }
+    let known = || ShimDevice::ALL.iter().map(|device| device.name()).collect::<Vec<_>>().join(", ");
+    let device = ShimDevice::of_name(name);
+    device.map(Target::Shim).ok_or_else(|| format!("--driver {name}: not {GPU} or one of {}", known()))
 }
 
 fn print_json<T: Serialize>(figure: &T) {

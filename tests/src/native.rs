@@ -23,11 +23,14 @@ use crate::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::{STYLES, Style};
 use std::path::Path;
 
-/// Rings that stay where they are, and are never dropped: the same maps in every run.
-const FIXED_RINGS: &str = "preset = \"balanced\"\n[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n";
+/// Rings that stay where they are, and are never dropped: the same maps in every run. Rates by contrast are decided on a GPU, and the layer
+/// does not know them.
+const FIXED_RINGS: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n";
 
 /// Attached, and all at 1x1.
-const ATTACHED: &str = "preset = \"balanced\"\n[gaze]\nsource = \"centre\"\n[rates]\ngate = \"off\"\n";
+const ATTACHED: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"off\"\n";
 
 /// The variable with the file to which the layer writes maps.
 const MAPS_VARIABLE: &str = "PARAFOVEA_PASSES_FILE";

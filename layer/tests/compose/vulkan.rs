@@ -145,6 +145,13 @@ impl Vulkan {
         properties.optimal_tiling_features.contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT)
     }
 
+    /// Whether the CPU renders, with exact conversions of texels.
+    pub fn is_cpu(&self) -> bool {
+        // SAFETY: plain query.
+        let properties = unsafe { self.instance.get_physical_device_properties(self.record.physical_device) };
+        properties.device_type == vk::PhysicalDeviceType::CPU
+    }
+
     /// Messages of validation so far.
     pub fn messages(&self) -> Vec<String> {
         self.messages.lock().unwrap().clone()

@@ -66,8 +66,8 @@ Usage: cargo dev TASK, in any folder of the repository
                         gaze (errors of the predicted gaze),
                         kernels (cost per view of audio-visual rates and of chroma attenuation),
                         models (cost and accuracy of the models),
-                        overhead (cost of the layer; with --driver NAME [CASE...], on one of Mesa's hardware drivers, with a release
-                        build),
+                        overhead (cost of the layer; with --driver NAME [CASE...], on one of Mesa's hardware drivers, or on this
+                        machine's GPU with --driver gpu, with a release build),
                         planted (decisions of the benefit gate on a rendering style whose frames have planted costs),
                         recognition (precision and recall on frame graphs of engines),
                         reuse (errors of temporal re-use during head rotation),

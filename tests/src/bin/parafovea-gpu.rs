@@ -7,10 +7,11 @@ use parafovea_tests::device::Machine;
 use parafovea_tests::drivers::{JsonCell, Matrix, Row, Target};
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::print_json;
-use parafovea_tests::native::{Length, Results, StyleResults, compare, styles, time};
+use parafovea_tests::native::{Comparison, Length, Results, StyleResults, compare, styles, time};
 use parafovea_zoo::{SKIPPED, Style};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Mutex, OnceLock};
 
 fn main() -> ExitCode {
     match Request::read(std::env::args().skip(1)).and_then(|request| check(&request)) {
@@ -26,6 +27,9 @@ const ARGUMENTS: &str = "--json, --styles, --frames, --size, --turns, --over-emu
 
 /// Pictures are compared over so many frames of this size.
 const COMPARED: Length = Length { frames: 24, size: 256 };
+
+/// A style's comparison, or the features that the device lacks for it.
+type Compared = Result<Comparison, String>;
 
 struct Request {
     json: bool,
@@ -94,16 +98,22 @@ fn check(request: &Request) -> Result<(), String> {
     );
     let mut results = Results::new(&machine, request.timed);
     let mut faults = Vec::new();
-    for style in &request.styles {
-        let found = judge(&machine, style, request).map_err(|error| format!("{}: {error}", style.name))?;
+    for (style, compared) in request.styles.iter().zip(compared(&machine, &request.styles)) {
+        let found = compared.and_then(|compared| timed(&machine, style, compared, request));
+        let found = found.map_err(|error| format!("{}: {error}", style.name))?;
         let fault = found.comparison.as_ref().and_then(|found| found.fault(machine.stand_in.is_none()));
         if request.json {
             print_json(&found.rows());
         } else {
-            println!("{}", line(&found, fault.as_deref()));
+            println!("{}", line(&found, fault.as_deref(), machine.stand_in.is_none()));
         }
         faults.extend(fault.map(|fault| format!("{}: {fault}", style.name)));
         results.styles.push(found);
+    }
+    let mut comparisons = results.styles.iter().filter_map(|found| found.comparison.as_ref()).peekable();
+    let is_shown = comparisons.peek().is_none() || comparisons.any(Comparison::shows_rates);
+    if machine.stand_in.is_none() && !is_shown {
+        faults.push("no picture of any style shows rates, those of the application included".to_owned());
     }
     let path = results.write(&folder(&machine)?).map_err(|error| error.to_string())?;
     eprintln!("written: {}", path.display());
@@ -131,24 +141,47 @@ fn folder(machine: &Machine) -> Result<PathBuf, String> {
     }
 }
 
-fn judge(machine: &Machine, style: &Style, request: &Request) -> Result<StyleResults, HarnessError> {
-    let mut found =
-        StyleResults { style: style.name.to_owned(), lacking: None, comparison: None, times: None };
-    match compare(machine, style, COMPARED)? {
-        Ok(comparison) => found.comparison = Some(comparison),
-        Err(lacking) => found.lacking = Some(lacking),
-    }
-    if found.lacking.is_none() && request.turns > 0 {
-        found.times = Some(time(machine, style, request.timed, request.turns)?);
-    }
-    Ok(found)
+/// The comparisons of all styles, in their order, made on all cores: pictures do not depend on the load.
+fn compared(machine: &Machine, styles: &[&'static Style]) -> Vec<Result<Compared, HarnessError>> {
+    let next = Mutex::new(styles.iter().enumerate());
+    let done: Vec<_> = styles.iter().map(|_| OnceLock::new()).collect();
+    let work = || {
+        loop {
+            // A poisoned lock means that another thread panicked, which ends the scope with a panic.
+            let Some((index, style)) = next.lock().ok().and_then(|mut next| next.next()) else { return };
+            _ = done[index].set(compare(machine, style, COMPARED));
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| (0..threads).for_each(|_| _ = scope.spawn(work)));
+    done.into_iter().filter_map(OnceLock::into_inner).collect()
 }
 
-fn line(found: &StyleResults, fault: Option<&str>) -> String {
+/// The results of a style, with the times that are asked for: one run after the other.
+fn timed(
+    machine: &Machine,
+    style: &Style,
+    compared: Compared,
+    request: &Request,
+) -> Result<StyleResults, HarnessError> {
+    let (comparison, lacking) = match compared {
+        Ok(comparison) => (Some(comparison), None),
+        Err(lacking) => (None, Some(lacking)),
+    };
+    let is_timed = lacking.is_none() && request.turns > 0;
+    let times = is_timed.then(|| time(machine, style, request.timed, request.turns)).transpose()?;
+    Ok(StyleResults { style: style.name.to_owned(), lacking, comparison, times })
+}
+
+fn line(found: &StyleResults, fault: Option<&str>, over_gpu: bool) -> String {
     let pictures = match (&found.lacking, fault) {
         (Some(lacking), _) => format!("{SKIPPED}{lacking}"),
         (None, Some(fault)) => format!("WRONG: {fault}"),
-        (None, None) => "as set natively".to_owned(),
+        (None, None) => {
+            let is_shown = found.comparison.as_ref().is_some_and(Comparison::shows_rates);
+            let rest = if over_gpu && !is_shown { ", which changes no pixel" } else { "" };
+            format!("as set natively{rest}")
+        }
     };
     let times = found.times.as_ref().map_or(String::new(), |times| {
         let ratio = |[value, spread]: [f64; 2]| format!("{value:.3} ± {spread:.3}");
