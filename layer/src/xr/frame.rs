@@ -35,7 +35,7 @@ use std::cell::{OnceCell, RefCell};
 use std::ptr;
 use std::sync::Arc;
 use std::time::Instant;
-use work::Work;
+use work::{Regions, Work};
 
 /// `xrWaitFrame`: the time of a frame in which nothing is urgent, so edits of the configuration are taken here.
 ///
@@ -260,16 +260,18 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     let next = &session.instance.next;
 
     let mut history = active.plan.history();
-    let mut works: Works = swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)).collect();
+    let mut works = Works::new();
+    let mut regions = Regions::default();
+    works.extend(swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)));
     process(frame, tools, &mut works);
-    complete::complete(frame, tools, report, &mut works, &mut history);
+    complete::complete(frame, tools, report, &mut works, &mut history, &mut regions);
     works.retain(|work| work.is_due(is_drawn_over));
     works.retain(|work| work.take_image(next));
     works.iter().for_each(|work| work.ask_layout(&active.device));
     if works.is_empty() {
         return Ok(());
     }
-    match submit(active, tools, &mut works) {
+    match submit(active, tools, &mut works, &regions) {
         Ok(()) => {
             // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
             unsafe { eye_buffers::analyze_written(frame, &works) };
@@ -346,9 +348,10 @@ fn process_layer(frame: &FrameEnd, tools: &Tools, layer: &Projection<'_>, works:
 }
 
 /// Submits a frame's work. When that fails with processing, it is tried without, from then on.
-fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuError> {
+fn submit(active: &Active, tools: &Tools, works: &mut Works, regions: &Regions) -> Result<(), GpuError> {
     let submit = |works: &Works| {
-        let jobs: SmallVec<[ComposeJob; 8]> = works.iter().filter_map(Work::job).collect();
+        let mut jobs: SmallVec<[ComposeJob; 8]> = SmallVec::new();
+        jobs.extend(works.iter().filter_map(|work| work.job(regions)));
         tools.compose().submit(&jobs)
     };
     submit(works).or_else(|error| {
@@ -359,8 +362,7 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
         active.worsen_to(Health::CopyOnly);
         for work in works.iter_mut() {
             work.target.regions.clear();
-            work.reuse.clear();
-            work.changes.clear();
+            (work.reuse, work.changes) = (0..0, 0..0);
         }
         submit(works)
     })

@@ -1,7 +1,7 @@
 //! Completion of a frame's pictures from earlier ones.
 
 use super::history::{CompletionSettings, Expected, History, ShownEyeBuffer};
-use super::work::Work;
+use super::work::{Regions, Work};
 use super::{FrameEnd, Works, depth};
 use crate::config::{Config, longest_period, wants_reuse};
 use crate::planner::{SessionPlanner, View, Watched};
@@ -11,6 +11,8 @@ use crate::xr::submission::Projection;
 use crate::xr::vulkan_device::FrameReport;
 use openxr_sys as xr;
 use parafovea_core::reuse::StaleTiles;
+use smallvec::SmallVec;
+use std::ops::Range;
 
 /// Notes the pictures that a frame shows, completes partly rendered ones, and passes the planner the eyes whose next pictures can re-use
 /// them.
@@ -18,8 +20,9 @@ pub fn complete<'a>(
     frame: &FrameEnd,
     tools: &Tools,
     report: &mut FrameReport,
-    works: &mut Works<'a>,
+    works: &mut Works<'_>,
     history: &'a mut History,
+    regions: &mut Regions<'a>,
 ) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
     let wants_reuse = wants_reuse(config);
@@ -95,12 +98,22 @@ pub fn complete<'a>(
         if let Some(work) = work
             && tools.compose().completes(work.format())
         {
-            work.reuse.extend(history.region(eye, settings));
+            add(&mut regions.reuse, &mut work.reuse, history.region(eye, settings));
             let changes =
                 watched[eye].as_ref().map(|watched| history.changes(eye, settings, watched.orientation()));
-            work.changes.extend(changes.flatten());
+            add(&mut regions.changes, &mut work.changes, changes.flatten());
         }
     }
+}
+
+/// Adds the region of an eye to those of a frame, and to a work's `part` of them: with both eyes in one swapchain they are neighbours.
+fn add<T>(regions: &mut SmallVec<[T; 2]>, part: &mut Range<usize>, region: Option<T>) {
+    let Some(region) = region else { return };
+    if part.start == part.end {
+        *part = regions.len()..regions.len();
+    }
+    regions.push(region);
+    part.end = regions.len();
 }
 
 /// Sorts the tiles that completing the frame's pictures takes, if it shows these views.

@@ -14,7 +14,17 @@ use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::geometry;
 use smallvec::SmallVec;
+use std::ops::Range;
 use std::sync::MutexGuard;
+
+/// The regions of a frame that have to do with earlier pictures, eye by eye. They take kilobytes, and stay where they are made.
+#[derive(Default)]
+pub struct Regions<'a> {
+    /// Regions that are completed from earlier pictures.
+    pub reuse: SmallVec<[ReuseRegion<'a>; 2]>,
+    /// Regions that are compared with earlier pictures.
+    pub changes: SmallVec<[ChangeRegion<'a>; 2]>,
+}
 
 /// The work on a virtual swapchain.
 pub struct Work<'a> {
@@ -24,10 +34,10 @@ pub struct Work<'a> {
     pub target: MutexGuard<'a, Target>,
     /// Whether a projection layer of this frame shows it.
     pub is_projected: bool,
-    /// Regions that are completed from earlier pictures.
-    pub reuse: SmallVec<[ReuseRegion<'a>; 2]>,
-    /// Regions that are compared with earlier pictures.
-    pub changes: SmallVec<[ChangeRegion<'a>; 2]>,
+    /// Its part of [`Regions::reuse`].
+    pub reuse: Range<usize>,
+    /// Its part of [`Regions::changes`].
+    pub changes: Range<usize>,
     substitute: &'a Substitute,
     newest: Newest,
     runtime_index: u32,
@@ -44,8 +54,8 @@ impl<'a> Work<'a> {
             swapchain,
             target,
             is_projected: false,
-            reuse: SmallVec::new(),
-            changes: SmallVec::new(),
+            reuse: 0..0,
+            changes: 0..0,
             substitute,
             newest,
             runtime_index: 0,
@@ -129,7 +139,7 @@ impl<'a> Work<'a> {
     /// An earlier picture is written only if a projection layer shows it again, it is intact, and none of it comes from other pictures, which
     /// may be lost. A drawing over a picture may have changed since, or may have to go.
     pub fn is_due(&self, is_drawn_over: bool) -> bool {
-        let may_be_redone = self.is_projected && self.newest.intact && self.reuse.is_empty();
+        let may_be_redone = self.is_projected && self.newest.intact && self.reuse.start == self.reuse.end;
         let is_other = self.target.is_outdated() || is_drawn_over || self.target.is_drawn_over();
         self.newest.fresh || (may_be_redone && is_other)
     }
@@ -150,16 +160,16 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The job for the GPU.
-    pub fn job(&self) -> Option<ComposeJob<'_>> {
+    /// The job for the GPU, with the frame's regions.
+    pub fn job<'b>(&'b self, regions: &'b Regions<'_>) -> Option<ComposeJob<'b>> {
         Some(ComposeJob {
             app: &self.substitute.app,
             app_index: self.newest.index,
             runtime: self.target.images()?,
             runtime_index: self.runtime_index,
             regions: &self.target.regions,
-            reuse: &self.reuse,
-            changes: &self.changes,
+            reuse: regions.reuse.get(self.reuse.clone())?,
+            changes: regions.changes.get(self.changes.clone())?,
         })
     }
 
