@@ -81,6 +81,12 @@ impl EyeMap {
         self.used.rates()
     }
 
+    /// Texels of a row of tiles; `None` beyond the plan.
+    pub(super) fn row(&self, row: usize) -> Option<&[u8]> {
+        let columns = self.tiles[0] as usize;
+        self.texels.get(row * columns..(row + 1) * columns)
+    }
+
     /// Unary rates of a row, with [`parafovea_core::reuse::STALE`]; 1x1 beyond the plan.
     pub(super) fn unary_row(&self, row: usize) -> &[u8] {
         let columns = self.tiles[0] as usize;

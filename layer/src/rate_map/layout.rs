@@ -61,6 +61,8 @@ struct Limit {
 enum Columns {
     /// One each, in turn: first and end column, first of the plan.
     Straight(usize, usize, usize),
+    /// One of the plan under so many neighbours, from the first columns of both on.
+    Spread(usize),
     /// At most one each: its index, or [`NONE`].
     Single(Vec<u8>),
     Several(Vec<Span>),
@@ -155,7 +157,9 @@ impl Layout {
             };
             let texels = &mut texels[begin..begin + width];
             let met = &self.met[*met..*met + self.limits.len()];
-            if !self.fill_from_one(eyes, met, rates, finest_of, texels) {
+            if !self.spread(eyes, met, rates, texels)
+                && !self.fill_from_one(eyes, met, rates, finest_of, texels)
+            {
                 texels.fill(COARSEST);
                 self.limit(eyes, met, finest_of, texels);
                 texels.iter_mut().for_each(|texel| *texel = rates.of_unary(*texel));
@@ -163,6 +167,21 @@ impl Layout {
             // 1x1 is FULL, in unary and as a rate.
             self.uncovered[uncovered.clone()].iter().for_each(|column| texels[*column as usize] = FULL);
         }
+    }
+
+    /// Writes a row of texels under one row of a single plan that needs no change but that each tile covers several texels. Returns false, and
+    /// does nothing, for other rows.
+    fn spread(&self, eyes: [&EyeMap; 2], met: &[Span], rates: &DeviceRates, texels: &mut [u8]) -> bool {
+        let ([Limit { eye, columns: Columns::Spread(times) }], [rows]) = (&self.limits[..], met) else {
+            return false;
+        };
+        let (map, rows) = (eyes[*eye], rows.range());
+        if rows.len() != 1 || !rates.has_all(map.used()) {
+            return false;
+        }
+        let Some(tiles) = map.row(rows.start) else { return false };
+        spread_over(texels, *times, tiles);
+        true
     }
 
     /// Writes a row of texels that has a single limit, with tiles at least as large as texels: tiles become rates before they are spread
@@ -175,9 +194,8 @@ impl Layout {
         finest_of: &mut Vec<u8>,
         texels: &mut [u8],
     ) -> bool {
-        let ([Limit { eye, columns: Columns::Single(columns) }], [rows]) = (&self.limits[..], met) else {
-            return false;
-        };
+        let ([Limit { eye, columns }], [rows]) = (&self.limits[..], met) else { return false };
+        let (Columns::Single(_) | Columns::Spread(_)) = columns else { return false };
         if rows.is_empty() {
             return false;
         }
@@ -186,8 +204,17 @@ impl Layout {
         for (rate, tile) in of_column[..usize::from(NONE)].iter_mut().zip(&*finest_of) {
             *rate = rates.of_unary(*tile);
         }
-        for (texel, column) in texels.iter_mut().zip(columns) {
-            *texel = of_column[usize::from(*column)];
+        match columns {
+            Columns::Single(columns) => {
+                for (texel, column) in texels.iter_mut().zip(columns) {
+                    *texel = of_column[usize::from(*column)];
+                }
+            }
+            // The plan may have more columns than the texels meet.
+            Columns::Spread(times) => {
+                spread_over(texels, *times, &of_column[..finest_of.len().min(usize::from(NONE))])
+            }
+            Columns::Straight(..) | Columns::Several(_) => {}
         }
         true
     }
@@ -203,6 +230,11 @@ impl Layout {
                 Columns::Straight(from, to, first) => {
                     for (texel, rate) in texels[*from..*to].iter_mut().zip(&finest_of[*first..]) {
                         *texel &= rate;
+                    }
+                }
+                Columns::Spread(times) => {
+                    for (texels, rate) in texels.chunks_mut(*times).zip(&*finest_of) {
+                        texels.iter_mut().for_each(|texel| *texel &= rate);
                     }
                 }
                 Columns::Single(columns) => {
@@ -231,7 +263,10 @@ impl Columns {
             range if range.is_empty() => Some(NONE),
             range => u8::try_from(range.start).ok().filter(|first| *first != NONE && range.len() == 1),
         };
-        met.iter().map(single).collect::<Option<_>>().map_or(Self::Several(met), Self::Single)
+        match met.iter().map(single).collect::<Option<Vec<_>>>() {
+            None => Self::Several(met),
+            Some(columns) => spread(&columns).map_or(Self::Single(columns), Self::Spread),
+        }
     }
 }
 
@@ -252,6 +287,34 @@ fn straight(columns: &[Span]) -> Option<(usize, usize, usize)> {
     let in_turn =
         (first..).zip(&columns[from..to]).all(|(column, span)| span.range() == (column..column + 1));
     in_turn.then_some((from, to, first))
+}
+
+/// The number of columns over each column of the plan, of which the last may have fewer; `None` unless they begin with the first, and follow
+/// each other.
+fn spread(columns: &[u8]) -> Option<usize> {
+    let times = columns.iter().take_while(|column| **column == 0).count();
+    let is_spread = |(index, column): (usize, &u8)| index / times == usize::from(*column);
+    (times > 0 && columns.iter().enumerate().all(is_spread)).then_some(times)
+}
+
+/// Writes each tile's rate to so many texels; the last tile may have fewer.
+fn spread_over(texels: &mut [u8], times: usize, tiles: &[u8]) {
+    match times {
+        2 => spread_over_each::<2>(texels, tiles),
+        4 => spread_over_each::<4>(texels, tiles),
+        times => texels.chunks_mut(times).zip(tiles).for_each(|(texels, tile)| texels.fill(*tile)),
+    }
+}
+
+/// The same for the usual numbers, of which compilers make stores without calls.
+fn spread_over_each<const TIMES: usize>(texels: &mut [u8], tiles: &[u8]) {
+    let mut whole = texels.chunks_exact_mut(TIMES);
+    for (texels, tile) in whole.by_ref().zip(tiles) {
+        texels.copy_from_slice(&[*tile; TIMES]);
+    }
+    if let Some(tile) = tiles.last() {
+        whole.into_remainder().fill(*tile);
+    }
 }
 
 fn finest_row(map: &EyeMap, rows: Span, out: &mut Vec<u8>) {

@@ -1,5 +1,6 @@
 //! The texels of a rate image against a look at every pixel.
 
+use super::rates::TILE_BYTES;
 use super::*;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::resolve as kernel;
@@ -223,6 +224,35 @@ proptest! {
         prop_assert_eq!(kernel::resolve(&params, &table, eyes.each_ref()), expected);
     }
 
+    /// Tiles of the plan that cover whole texels: the row is spread over them.
+    #[test]
+    fn tiles_over_several_texels_are_spread(
+        extent in prop::array::uniform2(1..90u32), side in 3..9u32, times in prop::array::uniform2(1..5u32),
+        bytes in prop::collection::vec((0..7usize, any::<bool>()), 900), is_flipped in any::<bool>(),
+        offered in prop::sample::subsequence(VULKAN_RATES.to_vec(), 0..8),
+    ) {
+        let tile = times.map(|times| times * side);
+        let tiles = [0, 1].map(|axis| extent[axis].div_ceil(tile[axis]));
+        let byte = |(rate, stale): (usize, bool)| VULKAN_RATES[rate].texel() | if stale { STALE } else { 0 };
+        let texels: Vec<u8> = bytes.into_iter().cycle().map(byte).take((tiles[0] * tiles[1]) as usize).collect();
+        let mut map = EyeMap::default();
+        map.set(extent, tile, tiles, &texels);
+        let image = image([0, 0, extent[0], extent[1]], [side; 2], 1);
+        let orientation = if is_flipped { Orientation::UpsideDown } else { Orientation::Upright };
+        let rates = DeviceRates::new(offered.iter().copied());
+        let out = resolved([&map, &EyeMap::default()], &[whole(Eyes::Left, orientation)], &image, &rates);
+        for (index, texel) in (0..).zip(&out) {
+            let [column, row] = [index % image.tiles[0], index / image.tiles[0]];
+            let flipped = |y: u32| if is_flipped { extent[1] - 1 - y } else { y };
+            // All tiles below the texel's rows; its columns are in one.
+            let rows = row * side..((row + 1) * side).min(extent[1]);
+            let below = rows.map(|y| (flipped(y) / tile[1] * tiles[0] + column / times[0]) as usize);
+            let unary = below.map(|tile| TILE_BYTES.unary[usize::from(texels[tile])]);
+            let finest = unary.fold(COARSEST, |finest, unary| finest & unary);
+            prop_assert_eq!(*texel, rates.of_unary(finest), "texel {}, {}", column, row);
+        }
+    }
+
     /// No input of the link or of an application makes it panic.
     #[test]
     fn anything_can_be_resolved(
@@ -247,6 +277,20 @@ fn a_plan_of_the_same_size_is_copied() {
     let image = image([0, 0, 100, 70], [16, 16], 1);
     let part = whole(Eyes::Right, Orientation::Upright);
     assert_eq!(resolved([&EyeMap::default(), &map], &[part], &image, &all_rates()), map.texels());
+}
+
+/// A plan with more columns than a byte can number, of which a part shows the first ones alone, each over two texels.
+#[test]
+fn a_wide_plan_is_spread_over_the_texels_that_show_it() {
+    let map = map([4800, 16], [16, 16], |x, _| VULKAN_RATES[x as usize % 7]);
+    let image = image([0, 0, 320, 16], [8, 8], 1);
+    let part = Part { rect: [0.0, 0.0, 15.0, 1.0], ..whole(Eyes::Left, Orientation::Upright) };
+    for rates in [all_rates(), DeviceRates::new([ShadingRate::R2X2].into_iter())] {
+        let out = resolved([&map, &EyeMap::default()], &[part], &image, &rates);
+        let tile = |index: usize| TILE_BYTES.unary[usize::from(map.texels()[index % 40 / 2])];
+        let expected = (0..80).map(|index| rates.of_unary(tile(index)));
+        assert_eq!(out, expected.collect::<Vec<_>>());
+    }
 }
 
 #[test]

@@ -233,6 +233,9 @@ struct Undeliverable;
 /// A frame's work, without allocation for up to eight virtual swapchains.
 type Works<'a> = SmallVec<[Work<'a>; 8]>;
 
+// Each is moved about, in every frame, on the application's thread.
+const _: () = assert!(size_of::<Work<'_>>() <= 192);
+
 /// Writes the runtime's images from the application's, where the application released something new, or the
 /// picture depends on the gaze and that changed.
 ///
