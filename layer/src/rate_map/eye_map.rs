@@ -84,7 +84,7 @@ impl EyeMap {
     /// Texels of a row of tiles; `None` beyond the plan.
     pub(super) fn row(&self, row: usize) -> Option<&[u8]> {
         let columns = self.tiles[0] as usize;
-        self.texels.get(row * columns..(row + 1) * columns)
+        self.texels.get(row * columns..(row + 1) * columns).filter(|row| !row.is_empty())
     }
 
     /// Unary rates of a row, with [`parafovea_core::reuse::STALE`]; 1x1 beyond the plan.

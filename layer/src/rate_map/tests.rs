@@ -307,6 +307,8 @@ fn an_eye_without_a_plan_is_at_full_rate() {
     let image = image([0, 0, 64, 64], [16, 16], 1);
     let part = whole(Eyes::Finer, Orientation::Upright);
     assert_eq!(resolved([&coarse, &EyeMap::default()], &[part], &image, &all_rates()), [0; 16]);
+    let right = whole(Eyes::Right, Orientation::Upright);
+    assert_eq!(resolved([&coarse, &EyeMap::default()], &[right], &image, &all_rates()), [0; 16]);
     assert_eq!(resolved([&coarse, &coarse], &[part], &image, &all_rates()), [10; 16]);
     assert_eq!(resolved([&coarse, &coarse], &[], &image, &all_rates()), [0; 16]);
     assert_eq!(rate_map_table([&coarse, &EyeMap::default()], &[part], &image), None, "nothing to look up");
