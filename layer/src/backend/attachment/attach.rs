@@ -30,7 +30,7 @@ pub struct RateAttachments {
     /// The images that are attached.
     pub images: RateImages,
     /// The render passes to which rates were added.
-    passes: Table<vk::RenderPass, AddedRates>,
+    pub(super) passes: Table<vk::RenderPass, AddedRates>,
     framebuffers: Table<vk::Framebuffer, Attached>,
     /// Effects of the fragment shaders of modules.
     pub modules: ShaderModules,

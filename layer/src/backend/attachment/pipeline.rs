@@ -29,7 +29,8 @@ const SHADING: Parts =
 
 /// The pipeline with the additions that make it obey rate attachments, and its rate.
 ///
-/// `effects` returns the effects of a stage's fragment shader, `linked` the rate of a library.
+/// `effects` returns the effects of a stage's fragment shader, `linked` the rate of a library. In a render pass that `is_left_alone` the rate
+/// attachment is the application's own, or there is none: its own rate stays.
 ///
 /// # Safety
 ///
@@ -40,6 +41,7 @@ pub unsafe fn with_rates<'c>(
     capabilities: &RateCapabilities,
     effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
     linked: impl Fn(vk::Pipeline) -> Option<PipelineRate>,
+    is_left_alone: impl Fn(vk::RenderPass) -> bool,
     copies: &mut Copies<'_>,
 ) -> (vk::GraphicsPipelineCreateInfo<'c>, PipelineRate) {
     // SAFETY: the structure and its chain are valid, as `# Safety` demands.
@@ -69,7 +71,7 @@ pub unsafe fn with_rates<'c>(
     }
     if is_fixed {
         // The parts of a linked pipeline must have the same state, so only a whole pipeline is amended.
-        if every_pixel && own.contains(SHADING) {
+        if every_pixel && own.contains(SHADING) && !is_left_alone(info.render_pass) {
             // SAFETY: the chain is valid, as above.
             amended.p_next = unsafe { without_attachment_rate(amended.p_next, copies) };
         }

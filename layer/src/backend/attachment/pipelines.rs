@@ -51,8 +51,9 @@ impl RateAttachments {
             // SAFETY: valid usage demands a valid structure.
             list_discarding_draws(unsafe { has_alpha_to_coverage(info) });
             let linked = |library| self.pipelines.get(library);
+            let is_left_alone = |pass| pass != vk::RenderPass::null() && !self.passes.has(pass);
             // SAFETY: the structure is valid, and its chain the call's for its duration.
-            unsafe { with_rates(info, &self.capabilities, effects, linked, &mut copies) }
+            unsafe { with_rates(info, &self.capabilities, effects, linked, is_left_alone, &mut copies) }
         });
         let (amended, rates): (Vec<_>, Vec<_>) = amended.unzip();
         // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.

@@ -9,6 +9,13 @@ type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
 
 const FLAG: vk::PipelineCreateFlags = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
 
+/// A render pass with a rate attachment of the application's own.
+const OWN: u64 = 7;
+
+fn is_own(pass: vk::RenderPass) -> bool {
+    pass.as_raw() == OWN
+}
+
 /// The outcome of a pipeline's creation.
 #[derive(Debug, PartialEq, Eq)]
 struct Outcome {
@@ -32,7 +39,7 @@ fn linked(
     let mut copies = Copies::new(&mut room);
     // SAFETY: valid structures that outlive the copies.
     unsafe {
-        let (more, rate) = with_rates(info, &offered([16, 16]), |_| effects, libraries, &mut copies);
+        let (more, rate) = with_rates(info, &offered([16, 16]), |_| effects, libraries, is_own, &mut copies);
         let flags2 = find::<Flags2<'_>>(more.p_next);
         Outcome {
             flagged: flags2.map_or(more.flags.contains(FLAG), |flags| {
@@ -107,7 +114,7 @@ fn supported_effects_do_not_force_1x1() {
     let mut room = room::<64>();
     let mut copies = Copies::new(&mut room);
     // SAFETY: valid structures that outlive the copies.
-    let (more, _) = unsafe { with_rates(&info, &capabilities, |_| effects, |_| None, &mut copies) };
+    let (more, _) = unsafe { with_rates(&info, &capabilities, |_| effects, |_| None, is_own, &mut copies) };
     // SAFETY: as above.
     assert!(unsafe { find::<Rate<'_>>(more.p_next) }.is_some());
 }
@@ -165,6 +172,21 @@ fn an_applications_own_rate_is_kept() {
         let outcome = outcome(&info, Effects { stores: every_pixel, ..Effects::default() });
         assert_eq!((outcome.state, &outcome.dynamic[..]), (None, &states[..]));
         assert_eq!(outcome.rate, PipelineRate::Application { every_pixel });
+    }
+}
+
+/// A shader that discards is kept at 1x1 under an attachment of the layer, but not under one of the application's own.
+#[test]
+fn an_applications_own_attachment_counts_for_shaders_that_discard() {
+    let stages = fragment_stage();
+    let effects = Effects { discards: true, ..Effects::default() };
+    for (pass, combiner) in [(0, Combiner::KEEP), (1, Combiner::KEEP), (OWN, Combiner::REPLACE)] {
+        let mut own = Rate::default()
+            .fragment_size(vk::Extent2D { width: 1, height: 1 })
+            .combiner_ops([Combiner::KEEP, Combiner::REPLACE]);
+        let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).push_next(&mut own);
+        let info = info.render_pass(vk::RenderPass::from_raw(pass));
+        assert_eq!(outcome(&info, effects).state, Some(([1, 1], [Combiner::KEEP, combiner])), "pass {pass}");
     }
 }
 
