@@ -61,7 +61,7 @@ struct Limit {
 enum Columns {
     /// One each, in turn: first and end column, first of the plan.
     Straight(usize, usize, usize),
-    /// One of the plan under so many neighbours, from the first columns of both on.
+    /// Number of texels per tile, from the first column on.
     Spread(usize),
     /// At most one each: its index, or [`NONE`].
     Single(Vec<u8>),
@@ -157,7 +157,7 @@ impl Layout {
             };
             let texels = &mut texels[begin..begin + width];
             let met = &self.met[*met..*met + self.limits.len()];
-            if !self.spread(eyes, met, rates, texels)
+            if !self.spread_row(eyes, met, rates, texels)
                 && !self.fill_from_one(eyes, met, rates, finest_of, texels)
             {
                 texels.fill(COARSEST);
@@ -169,9 +169,9 @@ impl Layout {
         }
     }
 
-    /// Writes a row of texels under one row of a single plan that needs no change but that each tile covers several texels. Returns false, and
-    /// does nothing, for other rows.
-    fn spread(&self, eyes: [&EyeMap; 2], met: &[Span], rates: &DeviceRates, texels: &mut [u8]) -> bool {
+    /// Writes a row of texels from one row of a single plan, each tile to several texels, on devices with all rates of the plan. Returns
+    /// false, and does nothing, for other rows.
+    fn spread_row(&self, eyes: [&EyeMap; 2], met: &[Span], rates: &DeviceRates, texels: &mut [u8]) -> bool {
         let ([Limit { eye, columns: Columns::Spread(times) }], [rows]) = (&self.limits[..], met) else {
             return false;
         };
@@ -265,7 +265,7 @@ impl Columns {
         };
         match met.iter().map(single).collect::<Option<Vec<_>>>() {
             None => Self::Several(met),
-            Some(columns) => spread(&columns).map_or(Self::Single(columns), Self::Spread),
+            Some(columns) => texels_per_tile(&columns).map_or(Self::Single(columns), Self::Spread),
         }
     }
 }
@@ -289,9 +289,8 @@ fn straight(columns: &[Span]) -> Option<(usize, usize, usize)> {
     in_turn.then_some((from, to, first))
 }
 
-/// The number of columns over each column of the plan, of which the last may have fewer; `None` unless they begin with the first, and follow
-/// each other.
-fn spread(columns: &[u8]) -> Option<usize> {
+/// Columns of texels per column of the plan (fewer for the last one); `None` for other arrangements.
+fn texels_per_tile(columns: &[u8]) -> Option<usize> {
     let times = columns.iter().take_while(|column| **column == 0).count();
     let is_spread = |(index, column): (usize, &u8)| index / times == usize::from(*column);
     (times > 0 && columns.iter().enumerate().all(is_spread)).then_some(times)
@@ -306,7 +305,7 @@ fn spread_over(texels: &mut [u8], times: usize, tiles: &[u8]) {
     }
 }
 
-/// The same for the usual numbers, of which compilers make stores without calls.
+/// [`spread_over`] for common numbers, compiled to plain stores.
 fn spread_over_each<const TIMES: usize>(texels: &mut [u8], tiles: &[u8]) {
     let mut whole = texels.chunks_exact_mut(TIMES);
     for (texels, tile) in whole.by_ref().zip(tiles) {

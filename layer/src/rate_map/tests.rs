@@ -279,7 +279,7 @@ fn a_plan_of_the_same_size_is_copied() {
     assert_eq!(resolved([&EyeMap::default(), &map], &[part], &image, &all_rates()), map.texels());
 }
 
-/// A plan with more columns than a byte can number, of which a part shows the first ones alone, each over two texels.
+/// A plan of 300 columns; a part shows the first 20 alone, two texels per tile.
 #[test]
 fn a_wide_plan_is_spread_over_the_texels_that_show_it() {
     let map = map([4800, 16], [16, 16], |x, _| VULKAN_RATES[x as usize % 7]);

@@ -75,11 +75,11 @@ pub fn pixel_format(format: vk::Format) -> PixelFormat {
     }
 }
 
-/// Asserts that a result is within one code value a channel of `reference` of the picture before, and where that leaves a pixel alone because
-/// it is in the plateau or outside of the regions, the same as before; alpha always.
+/// Asserts a difference of at most one code value a channel between a result and `reference` of the picture before; none in `untouched`
+/// pixels (in the plateau, or outside of the regions), and none in alpha.
 ///
-/// GPUs read texels of sRGB formats to within half a code value (Direct3D 11.3 functional specification, "sRGB to FLOAT32"). Saturated
-/// blue grows by ten times an error of red: a GPU may add half of what a code value more or less changes.
+/// GPUs read texels of sRGB formats to within half a code value (Direct3D 11.3 functional specification, "sRGB to FLOAT32"). An error
+/// of red grows tenfold in saturated blue, so results of GPUs have a further tolerance: half of the change by one code value.
 pub fn assert_matches(
     vulkan: &Vulkan,
     before: &[u8],

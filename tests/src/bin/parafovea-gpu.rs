@@ -113,7 +113,7 @@ fn check(request: &Request) -> Result<(), String> {
     let mut comparisons = results.styles.iter().filter_map(|found| found.comparison.as_ref()).peekable();
     let is_shown = comparisons.peek().is_none() || comparisons.any(Comparison::shows_rates);
     if machine.stand_in.is_none() && !is_shown {
-        faults.push("no picture of any style shows rates, those of the application included".to_owned());
+        faults.push("rates change no picture of any style, with the layer or without it".to_owned());
     }
     let path = results.write(&folder(&machine)?).map_err(|error| error.to_string())?;
     eprintln!("written: {}", path.display());

@@ -106,7 +106,7 @@ pub fn complete<'a>(
     }
 }
 
-/// Adds the region of an eye to those of a frame, and to a work's `part` of them: with both eyes in one swapchain they are neighbours.
+/// Adds an eye's region to the frame's regions, and to a work's `part` of these. Regions of one swapchain are neighbours.
 fn add<T>(regions: &mut SmallVec<[T; 2]>, part: &mut Range<usize>, region: Option<T>) {
     let Some(region) = region else { return };
     if part.start == part.end {

@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::MutexGuard;
 
-/// The regions of a frame that have to do with earlier pictures, eye by eye. They take kilobytes, and stay where they are made.
+/// Regions of a frame with re-use, eye by eye. Kilobytes, so never moved.
 #[derive(Default)]
 pub struct Regions<'a> {
     /// Regions that are completed from earlier pictures.
