@@ -22,6 +22,9 @@ const WORK_US: u64 = 1000;
 /// Frames before the first that counts, two seconds: kernels are compiled, maps made, passes recognised and rates coarsened by then.
 const RUN_UP: u64 = 180;
 
+/// Frames from one saccade to the next.
+const PERIOD: usize = 30;
+
 /// The case without work for the layer.
 const INERT: &str = "inert";
 
@@ -62,8 +65,11 @@ pub struct Added {
     /// `ms`.
     pub unit: &'static str,
     /// The 99th percentile of frames with the layer less that of frames without it, milliseconds: disturbances of the machine's worst
-    /// frames are in both.
+    /// frames are in both, and do not cancel out.
     pub p99: f64,
+    /// The worst place between two saccades: the most of the differences between the medians over all frames at the same place, milliseconds.
+    /// A peak of the layer returns with each saccade, a disturbance of the machine does not.
+    pub worst_place: f64,
     /// Median of a frame without the layer, milliseconds.
     pub baseline: f64,
     /// `(baseline + value) / baseline`.
@@ -122,6 +128,7 @@ pub fn planning(
             value,
             unit: "ms",
             p99: percentile_99(on.concat()) - worst_without,
+            worst_place: worst_place(on, &off),
             baseline,
             ratio: (baseline + value) / baseline,
             budget,
@@ -143,6 +150,16 @@ fn percentile_99(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let place = (values.len() * 99 / 100).min(values.len().saturating_sub(1));
     values.get(place).copied().unwrap_or(f64::NAN)
+}
+
+/// The most that frames at one place of [`PERIOD`] take longer in the turns `on` than in the turns `off`, by their medians; NaN without
+/// frames.
+fn worst_place(on: &[Vec<f64>], off: &[Vec<f64>]) -> f64 {
+    let at = |turns: &[Vec<f64>], place: usize| {
+        let frames = turns.iter().flat_map(|turn| turn.iter().skip(place).step_by(PERIOD)).copied();
+        median(frames.collect()).unwrap_or(f64::NAN)
+    };
+    (0..PERIOD).map(|place| at(on, place) - at(off, place)).fold(f64::NAN, f64::max)
 }
 
 /// A head that turns all the time, for so many frames.
@@ -169,11 +186,28 @@ fn moving(frames: u64) -> Scenario {
 /// A gaze file: fixations of 0.3 s, and saccades of 33 ms between them, in directions that the golden angle spreads. The eye tracker is
 /// not asked before half a minute in an application without input.
 fn saccades(frames: u64) -> String {
-    let count = frames.div_ceil(30) + 1;
+    let count = frames.div_ceil(PERIOD as u64) + 1;
     let fixation = |number: u64| {
         let (t, angle) = (number as f64 / 3.0, 2.4 * number as f32);
         let (left, up) = (12.0 * angle.cos(), 8.0 * angle.sin());
         format!("{t},{left},{up}\n{},{left},{up}\n", t + 0.3)
     };
     (0..count).map(fixation).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PERIOD, worst_place};
+
+    #[test]
+    fn a_peak_at_each_saccade_is_the_worst_place_and_a_disturbance_is_not() {
+        let turn = |added: f64, peak: f64| -> Vec<f64> {
+            (0..200).map(|frame| 1.0 + added + if frame % PERIOD == 3 { peak } else { 0.0 }).collect()
+        };
+        let off = vec![turn(0.0, 0.0); 3];
+        let mut on = vec![turn(0.06, 0.08); 3];
+        on[1][40] += 5.0;
+        assert!((worst_place(&on, &off) - 0.14).abs() < 1e-9);
+        assert!(worst_place(&[], &[]).is_nan());
+    }
 }

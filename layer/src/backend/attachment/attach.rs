@@ -76,6 +76,7 @@ impl RateAttachments {
             quirks,
             application_enables_rates,
             application_sets_rates,
+            application_attaches_rates,
             links_pipelines,
             ..
         } = enabled;
@@ -88,7 +89,7 @@ impl RateAttachments {
             framebuffers: Table::default(),
             modules: ShaderModules::default(),
             pipelines: Table::default(),
-            set_rates: SetRates::new(combiner, application_sets_rates),
+            set_rates: SetRates::new(combiner, application_sets_rates, application_attaches_rates),
             shader_objects: Table::default(),
             sets_rates_at_bind: application_enables_rates || links_pipelines,
             rendering_is_left_alone: AtomicBool::new(false),
@@ -282,6 +283,11 @@ impl RateAttachments {
         drop(self.framebuffers.remove_where(|_, _| true));
         // SAFETY: the device is live and idle, as `# Safety` demands.
         unsafe { self.images.end() };
+    }
+
+    /// Whether a render pass has no attachment of ours, so that the application's own rates count in it.
+    pub fn leaves_alone(&self, pass: vk::RenderPass) -> bool {
+        !self.passes.has(pass)
     }
 
     /// Calls `begin` with the render pass instance as it is to begin, and returns the rate image that it reads.

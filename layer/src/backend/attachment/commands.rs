@@ -13,12 +13,18 @@ pub struct SetRate {
     pub combiners: [Combiner; 2],
 }
 
-/// The rate that the application has set in a command buffer. It need not be forgotten when recording begins again: before it draws, the
-/// application sets its rate again.
+/// The rate of a command buffer. A rate need not be forgotten when recording begins again: before it draws, the application sets its rate
+/// again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Recorded {
+    /// The rate that the application has set.
     rate: Option<SetRate>,
+    /// The second combiner of a rate of ours, which was set after that of the application.
+    bound: Option<Combiner>,
+    /// Whether the bound shaders must shade every pixel.
     every_pixel: bool,
+    /// Whether the pass has the application's own rate attachment, or none.
+    is_left_alone: bool,
 }
 
 /// The rates that are set in the command buffers of a device.
@@ -28,27 +34,53 @@ pub struct SetRates {
     combiner: Combiner,
     /// Whether the application enables rates of its own, so that it sets them where it must.
     by_application: bool,
+    /// Whether passes may have rate attachments of the application's own.
+    has_own_attachments: bool,
 }
 
 impl SetRates {
     /// Nothing is set yet.
-    pub fn new(combiner: Combiner, by_application: bool) -> Self {
-        Self { recorded: Table::default(), combiner, by_application }
+    pub fn new(combiner: Combiner, by_application: bool, has_own_attachments: bool) -> Self {
+        Self { recorded: Table::default(), combiner, by_application, has_own_attachments }
+    }
+
+    /// Whether the rate depends on the pass, so that [`Self::recording_begins`] and [`Self::pass_begins`] have to be called.
+    pub fn depend_on_pass(&self) -> bool {
+        self.has_own_attachments
+    }
+
+    /// The recording of a command buffer begins: outside of passes, or in a secondary command buffer within one that may be left alone.
+    pub fn recording_begins(&self, buffer: vk::CommandBuffer, is_left_alone: bool) {
+        self.recorded.insert(buffer, Recorded { is_left_alone, ..Recorded::default() });
+    }
+
+    /// A pass begins: the rate to set for it, if that changes the one that is set. In a pass that `is_left_alone`, which has the application's
+    /// own rate attachment or none, the application's own rate counts.
+    pub fn pass_begins(&self, buffer: vk::CommandBuffer, is_left_alone: bool) -> Option<SetRate> {
+        let was = self.recorded.get(buffer).unwrap_or_default();
+        if was.is_left_alone == is_left_alone {
+            return None;
+        }
+        let is = Recorded { is_left_alone, ..was };
+        self.recorded.insert(buffer, is);
+        let rate = self.in_force(is)?;
+        (self.in_force(was) != Some(rate)).then_some(rate)
     }
 
     /// The application sets a rate: the one to set instead.
     pub fn set(&self, buffer: vk::CommandBuffer, rate: SetRate) -> SetRate {
         let mut recorded = self.recorded.get(buffer).unwrap_or_default();
         recorded.rate = Some(rate);
+        recorded.bound = None;
         self.recorded.insert(buffer, recorded);
-        self.obeying(rate, recorded.every_pixel)
+        self.obeying(rate, recorded)
     }
 
     /// A graphics pipeline of this rate is bound: the rate to set then, if any.
     pub fn bound(&self, buffer: vk::CommandBuffer, pipeline: PipelineRate) -> Option<SetRate> {
         match pipeline {
             PipelineRate::Fixed | PipelineRate::NeedsEveryPixel => None,
-            PipelineRate::AtBind(combiner) => Some(full_rate(combiner)),
+            PipelineRate::AtBind(combiner) => Some(self.full_rate_in_pass(buffer, combiner)),
             PipelineRate::Application { every_pixel } => self.pixels_needed(buffer, every_pixel),
         }
     }
@@ -58,7 +90,20 @@ impl SetRates {
         if self.by_application {
             return self.pixels_needed(buffer, every_pixel);
         }
-        Some(full_rate(if every_pixel { Combiner::KEEP } else { self.combiner }))
+        Some(self.full_rate_in_pass(buffer, if every_pixel { Combiner::KEEP } else { self.combiner }))
+    }
+
+    /// The rate of a pipeline without one of the application's, with this second combiner in passes with our attachment.
+    fn full_rate_in_pass(&self, buffer: vk::CommandBuffer, combiner: Combiner) -> SetRate {
+        if !self.has_own_attachments {
+            return full_rate(combiner);
+        }
+        let was = self.recorded.get(buffer).unwrap_or_default();
+        let is = Recorded { bound: Some(combiner), ..was };
+        if is != was {
+            self.recorded.insert(buffer, is);
+        }
+        bound_rate(combiner, is.is_left_alone)
     }
 
     /// The bound shaders must shade every pixel, or need not: the rate to set, if that changes the one that is set.
@@ -68,14 +113,26 @@ impl SetRates {
             return None;
         }
         recorded.every_pixel = every_pixel;
+        recorded.bound = None;
         self.recorded.insert(buffer, recorded);
-        Some(self.obeying(recorded.rate?, every_pixel))
+        self.in_force(recorded)
+    }
+
+    /// The rate that is set in a command buffer; `None` before the first one.
+    fn in_force(&self, recorded: Recorded) -> Option<SetRate> {
+        match recorded.bound {
+            Some(combiner) => Some(bound_rate(combiner, recorded.is_left_alone)),
+            None => recorded.rate.map(|rate| self.obeying(rate, recorded)),
+        }
     }
 
     /// The rate to set where the application sets `rate`: if that is the default, the attachment is obeyed. If every pixel must be shaded,
     /// the attachment is ignored, even if the application's own rate combines with it: then that counts on 1x1.
-    fn obeying(&self, rate: SetRate, every_pixel: bool) -> SetRate {
-        if every_pixel {
+    fn obeying(&self, rate: SetRate, recorded: Recorded) -> SetRate {
+        if recorded.is_left_alone {
+            return rate;
+        }
+        if recorded.every_pixel {
             let (size, combiners) = without_attachment(rate.size, rate.combiners);
             return SetRate { size, combiners };
         }
@@ -84,6 +141,11 @@ impl SetRates {
         }
         SetRate { combiners: [Combiner::KEEP, self.combiner], ..rate }
     }
+}
+
+/// The rate of a pipeline without one of the application's: it obeys no attachment of the application's own.
+const fn bound_rate(combiner: Combiner, is_left_alone: bool) -> SetRate {
+    full_rate(if is_left_alone { Combiner::KEEP } else { combiner })
 }
 
 /// 1x1, combined so with the attachment's rate.
@@ -104,7 +166,7 @@ mod tests {
     }
 
     fn by_application() -> SetRates {
-        SetRates::new(Combiner::MAX, true)
+        SetRates::new(Combiner::MAX, true, true)
     }
 
     #[test]
@@ -161,7 +223,7 @@ mod tests {
 
     #[test]
     fn linked_pipelines_are_set_each_time() {
-        let rates = SetRates::new(Combiner::MAX, false);
+        let rates = SetRates::new(Combiner::MAX, false, false);
         assert_eq!(rates.bound(buffer(1), PipelineRate::Fixed), None);
         for _ in 0..2 {
             assert_eq!(rates.bound(buffer(1), PipelineRate::AtBind(Combiner::MAX)), Some(OBEYS));
@@ -171,12 +233,57 @@ mod tests {
 
     #[test]
     fn shader_objects_are_set_where_the_application_does_not() {
-        let rates = SetRates::new(Combiner::REPLACE, false);
+        let rates = SetRates::new(Combiner::REPLACE, false, false);
         assert_eq!(rates.bound_shader(buffer(1), false), Some(full_rate(Combiner::REPLACE)));
         assert_eq!(rates.bound_shader(buffer(1), true), Some(KEEPS));
         let rates = by_application();
         assert_eq!(rates.bound_shader(buffer(1), false), None);
         assert_eq!(rates.set(buffer(1), KEEPS), OBEYS);
         assert_eq!(rates.bound_shader(buffer(1), true), Some(KEEPS));
+    }
+
+    /// vkd3d-proton sets all rates by commands, in passes with the attachment of the game and in passes without.
+    #[test]
+    fn a_pass_with_the_applications_attachment_has_the_applications_rates() {
+        let rates = by_application();
+        let own = SetRate { combiners: [Combiner::KEEP, Combiner::REPLACE], ..KEEPS };
+        let careful = PipelineRate::Application { every_pixel: true };
+        assert_eq!(rates.pass_begins(buffer(1), true), None, "nothing is set yet");
+        assert_eq!(rates.set(buffer(1), own), own);
+        assert_eq!(
+            rates.bound(buffer(1), careful),
+            Some(own),
+            "alpha test obeys the application's attachment"
+        );
+        assert_eq!(rates.set(buffer(1), KEEPS), KEEPS, "and a rate that ignores it stays");
+        assert_eq!(rates.set(buffer(1), own), own);
+        assert_eq!(rates.pass_begins(buffer(1), false), Some(KEEPS), "ours is ignored by alpha test");
+        assert_eq!(rates.bound(buffer(1), PipelineRate::Application { every_pixel: false }), Some(own));
+        assert_eq!(rates.set(buffer(1), KEEPS), OBEYS);
+        assert_eq!(rates.pass_begins(buffer(1), false), None, "as before");
+        assert_eq!(rates.pass_begins(buffer(1), true), Some(KEEPS));
+    }
+
+    #[test]
+    fn a_secondary_command_buffer_is_within_its_pass() {
+        let rates = by_application();
+        let careful = PipelineRate::Application { every_pixel: true };
+        let own = SetRate { combiners: [Combiner::KEEP, Combiner::REPLACE], ..KEEPS };
+        for (is_left_alone, expected) in [(true, own), (false, KEEPS)] {
+            rates.recording_begins(buffer(1), is_left_alone);
+            assert_eq!(rates.bound(buffer(1), careful), None);
+            assert_eq!(rates.set(buffer(1), own), expected);
+        }
+    }
+
+    #[test]
+    fn pipelines_without_a_rate_ignore_the_applications_attachment() {
+        for rates in [SetRates::new(Combiner::MAX, false, true), by_application()] {
+            let linked = PipelineRate::AtBind(Combiner::MAX);
+            assert_eq!(rates.bound(buffer(1), linked), Some(OBEYS));
+            assert_eq!(rates.pass_begins(buffer(1), true), Some(KEEPS));
+            assert_eq!(rates.bound(buffer(1), linked), Some(KEEPS));
+            assert_eq!(rates.pass_begins(buffer(1), false), Some(OBEYS));
+        }
     }
 }

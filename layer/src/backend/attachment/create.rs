@@ -50,6 +50,8 @@ pub struct Enabled {
     pub application_enables_rates: bool,
     /// Whether it enables the feature, too, with which it has to set a rate before it draws with shader objects.
     pub application_sets_rates: bool,
+    /// Whether it may attach rates of its own to passes.
+    pub application_attaches_rates: bool,
     /// Whether pipelines may be linked from parts.
     pub links_pipelines: bool,
 }
@@ -122,6 +124,8 @@ pub unsafe fn device<'c>(
         has_format_lists,
         application_enables_rates: names.has(vk::KHR_FRAGMENT_SHADING_RATE_NAME),
         application_sets_rates: own_rates.is_some_and(|own| own.pipeline_fragment_shading_rate == vk::TRUE),
+        application_attaches_rates: own_rates
+            .is_some_and(|own| own.attachment_fragment_shading_rate == vk::TRUE),
         links_pipelines: libraries.is_some_and(|found| found.graphics_pipeline_library == vk::TRUE),
     };
     Ok((amended, enabled))

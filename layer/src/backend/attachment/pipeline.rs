@@ -30,7 +30,8 @@ const SHADING: Parts =
 /// The pipeline with the additions that make it obey rate attachments, and its rate.
 ///
 /// `effects` returns the effects of a stage's fragment shader, `linked` the rate of a library. In a render pass that `is_left_alone` the rate
-/// attachment is the application's own, or there is none: its own rate stays.
+/// attachment is the application's own, or there is none: the rate stays as it is, and so does the default in dynamic rendering if the pipeline
+/// has the flag for an attachment of the application's own.
 ///
 /// # Safety
 ///
@@ -44,6 +45,9 @@ pub unsafe fn with_rates<'c>(
     is_left_alone: impl Fn(vk::RenderPass) -> bool,
     copies: &mut Copies<'_>,
 ) -> (vk::GraphicsPipelineCreateInfo<'c>, PipelineRate) {
+    let is_left_alone = is_left_alone(info.render_pass);
+    // SAFETY: the structure and its chain are valid, as `# Safety` demands.
+    let has_own_attachment = unsafe { has_flag(info) };
     // SAFETY: the structure and its chain are valid, as `# Safety` demands.
     let (own, libraries, (flags, p_next)) =
         unsafe { (own_parts(info), libraries(info), with_flag(info, copies)) };
@@ -71,17 +75,20 @@ pub unsafe fn with_rates<'c>(
     }
     if is_fixed {
         // The parts of a linked pipeline must have the same state, so only a whole pipeline is amended.
-        if every_pixel && own.contains(SHADING) && !is_left_alone(info.render_pass) {
+        if every_pixel && own.contains(SHADING) && !is_left_alone {
             // SAFETY: the chain is valid, as above.
             amended.p_next = unsafe { without_attachment_rate(amended.p_next, copies) };
         }
+        return (amended, merged(inherited, PipelineRate::Fixed));
+    }
+    if is_left_alone {
         return (amended, merged(inherited, PipelineRate::Fixed));
     }
     let combiner =
         if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { capabilities.combiner() };
     // A library without output interface may be linked with one that needs every pixel.
     if own.contains(SHADING | Parts::FRAGMENT_OUTPUT_INTERFACE) {
-        if !every_pixel {
+        if !every_pixel && !has_own_attachment {
             // SAFETY: the amended chain is as valid as the application's.
             amended.p_next = unsafe { with_combiner(amended.p_next, combiner, copies) };
         }
@@ -119,6 +126,23 @@ fn more_careful(some: PipelineRate, other: PipelineRate) -> PipelineRate {
     }
 }
 
+/// For passes with a rate attachment.
+const FLAG: vk::PipelineCreateFlags = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
+
+/// [`FLAG`] in the second kind of flags.
+const FLAG2: vk::PipelineCreateFlags2KHR = vk::PipelineCreateFlags2KHR::from_raw(FLAG.as_raw() as u64);
+
+/// Whether the application itself gives the pipeline [`FLAG`].
+///
+/// # Safety
+///
+/// As for [`with_rates`].
+unsafe fn has_flag(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    let flags2 = unsafe { find::<vk::PipelineCreateFlags2CreateInfoKHR<'_>>(info.p_next) };
+    flags2.map_or(info.flags.contains(FLAG), |flags2| flags2.flags.contains(FLAG2))
+}
+
 /// The flags and the chain with `VK_PIPELINE_CREATE_RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_BIT_KHR`: a chained
 /// `VkPipelineCreateFlags2CreateInfo` replaces the flags.
 ///
@@ -130,15 +154,13 @@ unsafe fn with_flag(
     copies: &mut Copies<'_>,
 ) -> (vk::PipelineCreateFlags, *const std::ffi::c_void) {
     type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
-    let flag = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
     // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe {
         if find::<Flags2<'_>>(info.p_next).is_some() {
-            let wide = vk::PipelineCreateFlags2KHR::from_raw(flag.as_raw().into());
-            return (info.flags, copies.amend::<Flags2<'_>>(info.p_next, |flags| flags.flags |= wide));
+            return (info.flags, copies.amend::<Flags2<'_>>(info.p_next, |flags| flags.flags |= FLAG2));
         }
     }
-    (info.flags | flag, info.p_next)
+    (info.flags | FLAG, info.p_next)
 }
 
 /// The chain with a rate of 1x1 that the attachment's is combined with.

@@ -51,7 +51,7 @@ impl RateAttachments {
             // SAFETY: valid usage demands a valid structure.
             list_discarding_draws(unsafe { has_alpha_to_coverage(info) });
             let linked = |library| self.pipelines.get(library);
-            let is_left_alone = |pass| pass != vk::RenderPass::null() && !self.passes.has(pass);
+            let is_left_alone = |pass| pass != vk::RenderPass::null() && self.leaves_alone(pass);
             // SAFETY: the structure is valid, and its chain the call's for its duration.
             unsafe { with_rates(info, &self.capabilities, effects, linked, is_left_alone, &mut copies) }
         });

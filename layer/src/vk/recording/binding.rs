@@ -2,9 +2,11 @@
 
 use super::{Buffer, drawing, stencil, with_buffer};
 use crate::abi::copies::slice;
+use crate::backend::attachment::RateAttachments;
 use crate::backend::attachment::commands::SetRate;
 use crate::backend::mask::Masks;
 use crate::vk::device;
+use crate::vk::functions::ArmedTable;
 use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
 
 /// `vkCmdSetFragmentShadingRateKHR`.
@@ -91,6 +93,27 @@ unsafe fn set_rate_of(known: &Buffer, handle: vk::CommandBuffer, pipeline: vk::P
         && let Some(pipeline) = rates.pipeline_rate(pipeline)
         && let Some(rate) = rates.set_rates.bound(handle, pipeline)
         && let Some(set) = known.armed.next.cmd_set_fragment_shading_rate
+    {
+        // SAFETY: the command buffer is recording, as `# Safety` demands, and both are valid; the function is there.
+        unsafe { set(handle, &rate.size, &rate.combiners) };
+    }
+}
+
+/// Sets the rate for a pass that is about to begin, where that is another one than is set. `is_left_alone`: whether the pass has no rate
+/// attachment of ours.
+///
+/// # Safety
+///
+/// `handle` is a command buffer that is recording, of the device of `next`.
+pub unsafe fn pass_begins(
+    next: &ArmedTable,
+    rates: &RateAttachments,
+    handle: vk::CommandBuffer,
+    is_left_alone: impl FnOnce() -> bool,
+) {
+    if rates.set_rates.depend_on_pass()
+        && let Some(rate) = rates.set_rates.pass_begins(handle, is_left_alone())
+        && let Some(set) = next.cmd_set_fragment_shading_rate
     {
         // SAFETY: the command buffer is recording, as `# Safety` demands, and both are valid; the function is there.
         unsafe { set(handle, &rate.size, &rate.combiners) };

@@ -200,6 +200,14 @@ pub unsafe extern "system" fn begin(
         }
         if is_tracked {
             draws::recording_begins(&known, handle);
+            if let Some(rates) = &known.armed.rate_attachments
+                && rates.set_rates.depend_on_pass()
+            {
+                // SAFETY: the pointer is valid, by valid usage, which demands the inheritance of a secondary command buffer.
+                let continued = if known.is_primary { None } else { unsafe { continued_pass(&*info) } };
+                let is_left_alone = continued.is_some_and(|pass| rates.leaves_alone(pass));
+                rates.set_rates.recording_begins(handle, is_left_alone);
+            }
             // SAFETY: the pointer is valid, by valid usage, which demands the inheritance of a secondary command buffer.
             if !known.is_primary && unsafe { heaps::are_inherited(&*info) } {
                 draws::bind_unknown(handle);
@@ -210,6 +218,20 @@ pub unsafe extern "system" fn begin(
         }
         result
     })
+}
+
+/// The render pass that a secondary command buffer continues; `None` in dynamic rendering, and outside of render passes.
+///
+/// # Safety
+///
+/// The valid usage of vkBeginCommandBuffer for a secondary command buffer.
+unsafe fn continued_pass(info: &vk::CommandBufferBeginInfo<'_>) -> Option<vk::RenderPass> {
+    // SAFETY: valid usage demands a valid pointer with this flag; without the flag it is not used.
+    let inherited = unsafe {
+        let continues = info.flags.contains(vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE);
+        if continues { info.p_inheritance_info.as_ref() } else { None }
+    };
+    inherited.map(|inherited| inherited.render_pass).filter(|pass| *pass != vk::RenderPass::null())
 }
 
 /// `vkResetCommandBuffer`.

@@ -1,6 +1,6 @@
 //! Render passes.
 
-use super::{Buffer, Within, drawing, draws, stencil, timed, with_buffer};
+use super::{Buffer, Within, binding, drawing, draws, stencil, timed, with_buffer};
 use crate::abi::copies::slice;
 use crate::backend::mask::{Attachments, DepthWork, MaskMap, Masks, OpenMask, PassContext};
 use crate::pass_detection::{Pass, Target, Unmasked};
@@ -160,8 +160,11 @@ unsafe fn begin_tracked(
     let (candidate, mask) = match (&armed.rate_attachments, &armed.masks) {
         (Some(rates), _) => {
             let target = pass.as_ref().and_then(|pass| armed.objects.first_color(pass));
-            // SAFETY: the structure is valid, as above.
-            let image = unsafe { rates.begin_render_pass(info, target, begin) };
+            // SAFETY: the command buffer is recording and the structure valid, as above.
+            let image = unsafe {
+                binding::pass_begins(&armed.next, rates, handle, || rates.leaves_alone((*info).render_pass));
+                rates.begin_render_pass(info, target, begin)
+            };
             (image.map(|image| armed.candidates.with_rate_image(image)), None)
         }
         (None, Some(masks)) => {

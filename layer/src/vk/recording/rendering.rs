@@ -1,7 +1,7 @@
 //! Dynamic rendering.
 
 use super::passes::end_tracked;
-use super::{Buffer, drawing, draws, timed, with_buffer};
+use super::{Buffer, binding, drawing, draws, timed, with_buffer};
 use crate::abi::copies::slice;
 use crate::backend::mask::{DepthWork, Masks, OpenMask, rendering_attachments};
 use crate::pass_detection::{Pass, PassFacts, Target, Unmasked};
@@ -96,8 +96,11 @@ unsafe fn begin_tracked(
     let (candidate, mask) = match (&armed.rate_attachments, &armed.masks) {
         (Some(rates), _) => {
             let target = armed.objects.first_color(&pass);
-            // SAFETY: the structure is valid, as above.
-            let image = unsafe { rates.begin_rendering(info, (target, armed.frame.is_on()), begin) };
+            // SAFETY: the command buffer is recording and the structure valid, as above.
+            let image = unsafe {
+                binding::pass_begins(&armed.next, rates, handle, || has_own_rates(&*info));
+                rates.begin_rendering(info, (target, armed.frame.is_on()), begin)
+            };
             (image.map(|image| armed.candidates.with_rate_image(image)), None)
         }
         // SAFETY: valid usage of vkCmdBeginRendering, as this function requires.
@@ -221,7 +224,8 @@ unsafe fn has_own_rates(info: &vk::RenderingInfo<'_>) -> bool {
             extension::<vk::RenderingFragmentDensityMapAttachmentInfoEXT<'_>>(info.p_next),
         )
     };
-    rates.is_some_and(|found| found.image_view != vk::ImageView::null()) || density.is_some()
+    rates.is_some_and(|found| found.image_view != vk::ImageView::null())
+        || density.is_some_and(|found| found.image_view != vk::ImageView::null())
 }
 
 /// The depth attachment, loaded.

@@ -224,6 +224,7 @@ fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
             PFN_vkGetPhysicalDeviceMemoryProperties = rates::memory_properties;
         c"vkGetPhysicalDeviceFragmentShadingRatesKHR":
             PFN_vkGetPhysicalDeviceFragmentShadingRatesKHR = rates::shading_rates;
+        c"vkCmdSetFragmentShadingRateKHR": PFN_vkCmdSetFragmentShadingRateKHR = rates::set_rate;
         c"vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = get_device_proc_addr;
     }
     if let Some(function) = pipelines::function(name).filter(|_| rates::is_offered()) {

@@ -4,6 +4,9 @@ use super::fake::{self, rates};
 use super::*;
 use crate::backend::attachment::commands::SetRate;
 use crate::link::BACKEND_RATE_ATTACHMENT;
+use crate::vk::dispatch::armed_hook;
+use crate::vk::recording;
+use ash::vk::FragmentShadingRateCombinerOpKHR as Combiner;
 
 /// The enabled extensions of a device, and its rate features.
 struct Created {
@@ -95,6 +98,63 @@ fn an_application_sets_rates_if_it_enables_the_feature_of_the_extension() {
     for own in [None, Some(features()), Some(features().primitive_fragment_shading_rate(true))] {
         assert!(rate_of_shader_object(own).is_some(), "{own:?}");
     }
+}
+
+/// As vkd3d-proton does: it sets all rates by commands, and begins passes with the attachment of the game and passes without.
+#[test]
+fn passes_with_an_attachment_of_the_applications_have_its_rates() {
+    rates::capabilities(true, false);
+    let instance = new_instance(Some(vk::API_VERSION_1_2));
+    let features = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR::default()
+        .pipeline_fragment_shading_rate(true)
+        .attachment_fragment_shading_rate(true);
+    let names = [vk::KHR_FRAGMENT_SHADING_RATE_NAME];
+    let chain = fake::device_chain((&raw const features).cast(), true).0;
+    let device = create_device_with(instance, chain, 1, &names).unwrap();
+    let handle = fake::command_buffer_of(device);
+    // SAFETY: the device is live.
+    let armed = unsafe { device::of(device) }.and_then(|device| device.armed.clone()).unwrap();
+    let buffer = recording::keep(&armed, handle);
+    drop(armed);
+    macro_rules! hook {
+        ($name:literal: $pfn:ident) => {
+            // SAFETY: the name gives the type.
+            unsafe { transmute::<vk::PFN_vkVoidFunction, vk::$pfn>(armed_hook($name)) }
+        };
+    }
+    let set = hook!(c"vkCmdSetFragmentShadingRateKHR": PFN_vkCmdSetFragmentShadingRateKHR);
+    let begin = hook!(c"vkCmdBeginRenderingKHR": PFN_vkCmdBeginRendering);
+    let end = hook!(c"vkCmdEndRenderingKHR": PFN_vkCmdEndRendering);
+    let rate = |combiner| SetRate {
+        size: vk::Extent2D { width: 1, height: 1 },
+        combiners: [Combiner::KEEP, combiner],
+    };
+    let (keeps, obeys) = (rate(Combiner::KEEP), rate(Combiner::REPLACE));
+    let view = vk::ImageView::from_raw(1);
+    let mut own = vk::RenderingFragmentShadingRateAttachmentInfoKHR::default().image_view(view);
+    let mut none = vk::RenderingFragmentShadingRateAttachmentInfoKHR::default();
+    let with_own = vk::RenderingInfo::default().push_next(&mut own);
+    let without = vk::RenderingInfo::default().push_next(&mut none);
+    let at_begin: [(_, &[SetRate], _); 4] = [
+        (without, &[], obeys),
+        (with_own, &[keeps], keeps),
+        (with_own, &[], keeps),
+        (without, &[obeys], obeys),
+    ];
+    for (info, changed, expected) in at_begin {
+        // SAFETY: the command buffer is live, and the structure valid.
+        unsafe { begin(handle, &info) };
+        assert_eq!(rates::taken_set(), changed, "as the pass begins");
+        // SAFETY: as above, and both are valid.
+        unsafe { set(handle, &keeps.size, &keeps.combiners) };
+        assert_eq!(rates::taken_set(), [expected], "as the application sets it");
+        // SAFETY: as above.
+        unsafe { end(handle) };
+    }
+    drop(buffer);
+    destroy_device(device);
+    destroy_instance(instance);
+    rates::capabilities(false, false);
 }
 
 #[test]

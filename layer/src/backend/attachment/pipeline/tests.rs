@@ -7,8 +7,6 @@ use vk::FragmentShadingRateCombinerOpKHR as Combiner;
 type Rate<'a> = vk::PipelineFragmentShadingRateStateCreateInfoKHR<'a>;
 type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
 
-const FLAG: vk::PipelineCreateFlags = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
-
 /// A render pass with a rate attachment of the application's own.
 const OWN: u64 = 7;
 
@@ -71,6 +69,24 @@ fn a_pipeline_gets_flag_and_combiner() {
         Rate::default().fragment_size(vk::Extent2D { width: 1, height: 1 }).combiner_ops([Combiner::KEEP; 2]);
     let says_so = plain.push_next(&mut own);
     assert_eq!(outcome(&says_so, Effects::default()), expected, "the default, said aloud");
+}
+
+/// A default rate ignores the application's own attachment; with our combiner it would obey it.
+#[test]
+fn a_default_rate_beside_an_attachment_of_the_applications_stays() {
+    let stages = fragment_stage();
+    let plain = vk::GraphicsPipelineCreateInfo::default().stages(&stages);
+    let expected = Outcome { flagged: true, state: None, dynamic: Vec::new(), rate: PipelineRate::Fixed };
+    assert_eq!(outcome(&plain.render_pass(vk::RenderPass::from_raw(OWN)), Effects::default()), expected);
+    assert_eq!(outcome(&plain.flags(FLAG), Effects::default()), expected);
+    let mut flags = Flags2::default().flags(FLAG2);
+    assert_eq!(outcome(&plain.push_next(&mut flags), Effects::default()), expected);
+    let mut part = vk::GraphicsPipelineLibraryCreateInfoEXT::default().flags(
+        vk::GraphicsPipelineLibraryFlagsEXT::FRAGMENT_SHADER
+            | vk::GraphicsPipelineLibraryFlagsEXT::PRE_RASTERIZATION_SHADERS,
+    );
+    let library = plain.flags(vk::PipelineCreateFlags::LIBRARY_KHR).push_next(&mut part);
+    assert_eq!(outcome(&library.render_pass(vk::RenderPass::from_raw(OWN)), Effects::default()), expected);
 }
 
 #[test]

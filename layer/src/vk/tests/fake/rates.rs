@@ -1,6 +1,7 @@
 //! The stand-in's shading rates, and whether it lets them be enabled.
 
 use super::types;
+use crate::backend::attachment::commands::SetRate;
 use ash::vk::{self, TaggedStructure};
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char};
@@ -15,6 +16,25 @@ thread_local! {
     static DRIVER: Cell<vk::DriverId> = const { Cell::new(vk::DriverId::from_raw(0)) };
     static NAME: Cell<&'static [u8]> = const { Cell::new(b"") };
     static FEATURES: Cell<[u32; 3]> = const { Cell::new([0; 3]) };
+    static SET: RefCell<Vec<SetRate>> = const { RefCell::new(Vec::new()) };
+}
+
+/// The rates that were set since the last call.
+pub fn taken_set() -> Vec<SetRate> {
+    SET.take()
+}
+
+/// # Safety
+///
+/// As the call.
+pub unsafe extern "system" fn set_rate(
+    _: vk::CommandBuffer,
+    size: *const vk::Extent2D,
+    combiners: *const [vk::FragmentShadingRateCombinerOpKHR; 2],
+) {
+    // SAFETY: the caller's valid pointers.
+    let rate = unsafe { SetRate { size: *size, combiners: *combiners } };
+    SET.with_borrow_mut(|set| set.push(rate));
 }
 
 /// From now on, devices on this thread have rate attachments, or not; creation with them is `refused`.
