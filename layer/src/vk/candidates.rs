@@ -15,6 +15,7 @@ use crate::backend::mask::TargetMask;
 use crate::backend::{Backend, MapSize, RateMap};
 use crate::pass_detection::{ImageKey, Pass, Target};
 use std::any::Any;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The candidates of a device.
@@ -39,6 +40,8 @@ pub struct Candidate {
     depth: Depth,
     /// Its map on the GPU.
     pub map: Box<dyn RateMap>,
+    /// Whether passes read its map; a rate image may wait for its target to be recognised.
+    is_read: AtomicBool,
     content: Mutex<Content>,
     resolved: Mutex<Option<ResolvedMap>>,
 }
@@ -46,7 +49,17 @@ pub struct Candidate {
 impl Candidate {
     fn new((target, depth): (Target, Depth), map: Box<dyn RateMap>) -> Arc<Self> {
         let content = if map.has_content() { Content::initialised() } else { Content::default() };
-        Arc::new(Self { target, depth, map, content: Mutex::new(content), resolved: Mutex::default() })
+        let is_read = AtomicBool::new(depth == Depth::Any);
+        let content = Mutex::new(content);
+        Arc::new(Self { target, depth, map, is_read, content, resolved: Mutex::default() })
+    }
+
+    /// Work to do on its map before a submit, which is from plan number `plan`: a map that no pass reads needs no content.
+    pub fn need(&self, plan: u64) -> Need {
+        match self.content().need(plan) {
+            Need::Initialise if !self.is_read.load(Ordering::Relaxed) => Need::None,
+            need => need,
+        }
     }
 
     /// Whether a pass obeys its map.
@@ -99,12 +112,15 @@ impl Candidates {
         Some(self.live.get_or_insert(key, Candidate::new(key, map)))
     }
 
-    /// The candidate of a rate image.
-    pub fn with_rate_image(&self, image: Arc<RateImage>) -> Arc<Candidate> {
+    /// The candidate of a rate image of a pass, to which it `is_attached`, or will be once its target is recognised.
+    pub fn with_rate_image(&self, image: Arc<RateImage>, is_attached: bool) -> Arc<Candidate> {
         let key = (image.key.target, Depth::Is(image.key.has_depth));
-        self.live
-            .get(key)
-            .unwrap_or_else(|| self.live.get_or_insert(key, Candidate::new(key, Box::new(image))))
+        let new = || self.live.get_or_insert(key, Candidate::new(key, Box::new(image)));
+        let candidate = self.live.get(key).unwrap_or_else(new);
+        if is_attached {
+            candidate.is_read.store(true, Ordering::Relaxed);
+        }
+        candidate
     }
 
     /// The candidate of a target whose map is at hand.
@@ -127,5 +143,32 @@ impl Candidates {
     /// Forgets all, before the device is destroyed.
     pub fn clear(&self) {
         drop(self.live.remove_where(|_, _| true));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::Upload;
+
+    struct NoMap;
+
+    impl RateMap for NoMap {
+        fn size(&self) -> MapSize {
+            MapSize { texel: [16, 16], tiles: [1, 1], layers: 1 }
+        }
+
+        unsafe fn record_upload(&self, _: Upload) {}
+    }
+
+    /// On RDNA2 the rate image of a pass that is not recognised is not attached: an upload would be a submit for nothing.
+    #[test]
+    fn a_map_without_readers_needs_no_content() {
+        let target = Target { image: ImageKey(1), level: 0, base_layer: 0, layers: 1 };
+        let waiting = Candidate::new((target, Depth::Is(true)), Box::new(NoMap));
+        assert_eq!(waiting.need(1), Need::None);
+        waiting.is_read.store(true, Ordering::Relaxed);
+        assert_eq!(waiting.need(1), Need::Initialise);
+        assert_eq!(Candidate::new((target, Depth::Any), Box::new(NoMap)).need(1), Need::Initialise);
     }
 }

@@ -170,7 +170,7 @@ unsafe fn update(
     let plan = if deciding.is_some() { armed.frame.decided() } else { armed.frame.plan_serial() };
     touched.retain(|candidate| {
         candidate.map.staging_len() > 0
-            && match candidate.content().need(plan) {
+            && match candidate.need(plan) {
                 Need::None => false,
                 Need::Upload => is_followed || (is_applications && !candidate.content().shows_scene()),
                 Need::Initialise => true,

@@ -326,7 +326,7 @@ impl RateAttachments {
     }
 
     /// Calls `begin` with the amended dynamic rendering, and returns the rate image that it reads, or would read
-    /// once its target is recognised. `target` is the first colour target; passes without one that is known are left alone.
+    /// once its target is recognised, and whether it is attached. `target` is the first colour target; passes without one that is known are left alone.
     /// `is_on`: whether recognised passes get rates now.
     ///
     /// # Safety
@@ -337,7 +337,7 @@ impl RateAttachments {
         info: *const vk::RenderingInfo<'_>,
         (target, is_on): (FirstColour, bool),
         begin: impl FnOnce(*const vk::RenderingInfo<'_>),
-    ) -> Option<Arc<RateImage>> {
+    ) -> Option<(Arc<RateImage>, bool)> {
         // SAFETY: the pointer is valid, by the valid usage of vkCmdBeginRendering, for the time of the call.
         let asked = unsafe { &*info };
         // SAFETY: the structure is that of vkCmdBeginRendering.
@@ -355,13 +355,13 @@ impl RateAttachments {
         let is_matched = image.is_matched(has_depth) && !rendering::is_suspended(asked);
         if self.attaches_only_matched && !(is_matched && is_on) {
             begin(info);
-            return Some(image);
+            return Some((image, false));
         }
         let mut room = room::<64>();
         let mut copies = Copies::new(&mut room);
         // SAFETY: as above.
         begin(&unsafe { rendering::with_view(asked, image.view, &self.capabilities, &mut copies) });
-        Some(image)
+        Some((image, true))
     }
 
     fn key(&self, target: FirstColour) -> Option<RateImageKey> {

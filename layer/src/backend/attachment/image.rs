@@ -34,13 +34,17 @@ pub struct RateImageKey {
 }
 
 impl RateImageKey {
-    /// The key of a target of an image, for passes with depth or without.
+    /// The key of a target of an image, for passes with depth or without. Faces of cubes and smaller levels, which are never recognised as the
+    /// scene, share an image by their size.
     pub fn of(
         (target, image, has_depth): (Target, &ImageDescription, bool),
         capabilities: &RateCapabilities,
     ) -> Self {
         let extent = image.extent.map(|side| side.checked_shr(target.level).unwrap_or(0).max(1));
         let (texels, layers) = (capabilities.texels(extent), capabilities.layers(target.layers));
+        if image.is_cube || target.level != 0 {
+            return Self::shared(texels, layers);
+        }
         Self { target, has_depth, texels, layers }
     }
 
@@ -207,5 +211,35 @@ impl RateMap for Arc<RateImage> {
     unsafe fn record_upload(&self, upload: Upload) {
         // SAFETY: as `RateMap::record_upload` demands, the command buffer is recording, and the buffer lives until it has finished.
         unsafe { RateImage::record_upload(self, upload.commands, upload.staging, upload.offset) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::attachment::capabilities::tests::offered;
+
+    #[test]
+    fn faces_and_levels_share_an_image_by_their_size() {
+        let capabilities = offered([16, 16]);
+        let key = |image: u64, level: u32, base_layer: u32, is_cube: bool| {
+            let description = ImageDescription {
+                key: ImageKey(image),
+                extent: [512, 512],
+                layers: 6,
+                format: vk::Format::R8G8B8A8_UNORM,
+                samples: 1,
+                is_cube,
+                swapchain: None,
+            };
+            let target = Target { image: ImageKey(image), level, base_layer, layers: 1 };
+            RateImageKey::of((target, &description, true), &capabilities)
+        };
+        assert_ne!(key(1, 0, 0, false), key(1, 0, 1, false), "pictures of both eyes in layers");
+        assert_ne!(key(1, 0, 0, false), key(2, 0, 0, false));
+        assert_eq!(key(1, 0, 0, true), key(2, 0, 5, true));
+        assert_eq!(key(1, 1, 0, false), key(2, 1, 3, true));
+        assert_eq!(key(1, 1, 0, false).texels, capabilities.texels([256, 256]));
+        assert_ne!(key(1, 1, 0, false), key(1, 2, 0, false));
     }
 }

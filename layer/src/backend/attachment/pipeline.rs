@@ -57,9 +57,11 @@ pub unsafe fn with_rates<'c>(
         // SAFETY: as above; multisample state is of this part.
         let needs_every_pixel = own.contains(Parts::FRAGMENT_OUTPUT_INTERFACE)
             && unsafe {
-                info.p_multisample_state
-                    .as_ref()
-                    .is_some_and(|state| is_too_fine(state, &capabilities.limits))
+                cuts_by_command(info)
+                    || info
+                        .p_multisample_state
+                        .as_ref()
+                        .is_some_and(|state| is_too_fine(state, &capabilities.limits))
             };
         let rate = if needs_every_pixel { PipelineRate::NeedsEveryPixel } else { PipelineRate::Fixed };
         return (amended, merged(inherited, rate));
@@ -307,10 +309,21 @@ unsafe fn must_shade_every_pixel(
     }
     // SAFETY: both are valid, as above.
     unsafe {
-        multisample.is_some_and(|state| is_too_fine(state, limits))
+        cuts_by_command(info)
+            || multisample.is_some_and(|state| is_too_fine(state, limits))
             || (!limits.conservative_rasterization
                 && rasterization.is_some_and(|state| is_conservative(state)))
     }
+}
+
+/// Whether commands may turn alpha to coverage on.
+///
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn cuts_by_command(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the structure is valid, as `# Safety` demands.
+    unsafe { dynamic_states(info) }.contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT)
 }
 
 /// # Safety
@@ -335,7 +348,7 @@ unsafe fn is_too_fine(
     }
 }
 
-/// Whether a pipeline cuts holes by alpha to coverage. State that commands set is not known here.
+/// Whether a pipeline cuts holes by alpha to coverage, or may do so by a command.
 ///
 /// # Safety
 ///
@@ -346,10 +359,11 @@ pub(super) unsafe fn has_alpha_to_coverage(info: &vk::GraphicsPipelineCreateInfo
         let own = own_parts(info);
         own.intersects(Parts::FRAGMENT_SHADER | Parts::FRAGMENT_OUTPUT_INTERFACE)
             && !is_discarded(info, own)
-            && info
-                .p_multisample_state
-                .as_ref()
-                .is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE)
+            && (cuts_by_command(info)
+                || info
+                    .p_multisample_state
+                    .as_ref()
+                    .is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE))
     }
 }
 

@@ -60,6 +60,7 @@ pub unsafe extern "system" fn destroy(
         // Before the call: the handle may be in use again after.
         if let Some(armed) = &known.armed
             && let Some(image) = armed.objects.remove_image(image)
+            && image.may_be_drawn_to()
         {
             armed.forget_drawn(image.description.key);
         }

@@ -50,6 +50,9 @@ pub unsafe extern "system" fn destroy_set_layout(
         device::with,
         destroy_descriptor_set_layout(device, layout, allocator),
         |known, next| {
+            if let Some(armed) = &known.armed {
+                armed.objects.descriptors.forget_layout(layout);
+            }
             if let Some(masks) = known.masks() {
                 masks.forget_set_layout(layout);
             }

@@ -48,6 +48,8 @@ struct Held {
     images: SmallVec<[(u32, u32, ImageKey); 4]>,
     /// Whether it may hold others.
     is_open: bool,
+    /// Whether it is a list of all textures: it held more attachments than one draw's reads can name, and names none from then on.
+    is_global: bool,
     /// Number of sweeps before it was written.
     sweep: u32,
 }
@@ -97,8 +99,13 @@ impl Descriptors {
             self.open_layouts.insert(layout, ());
         } else {
             // Of one of the same handle that is gone.
-            self.open_layouts.remove(layout);
+            self.forget_layout(layout);
         }
+    }
+
+    /// A layout is destroyed.
+    pub fn forget_layout(&self, layout: vk::DescriptorSetLayout) {
+        self.open_layouts.remove(layout);
     }
 
     /// Sets are made of layouts, in place of sets of the same handles.
@@ -225,7 +232,10 @@ impl Descriptors {
 
     /// One element of a binding is written.
     pub fn write(&self, set: vk::DescriptorSet, at: (u32, u32), image: Option<ImageKey>) {
-        if self.is_overrun() || (image.is_none() && !self.may_read(set)) {
+        if self.is_overrun()
+            || (image.is_none() && !self.may_read(set))
+            || self.sets.is(set, |held| held.is_global)
+        {
             return;
         }
         let known = self.sets.get(set);
@@ -235,6 +245,10 @@ impl Descriptors {
         let mut held = known.clone().unwrap_or_default();
         held.images.retain(|(binding, element, _)| (*binding, *element) != at);
         held.images.extend(image.map(|image| (at.0, at.1, image)));
+        if held.is_open && held.images.len() > Reads::MOST {
+            held.images.clear();
+            held.is_global = true;
+        }
         if held.images.is_empty() && !held.is_open {
             return self.forget(set);
         }
@@ -327,6 +341,27 @@ mod tests {
         descriptors.add_layout(layout, false);
         descriptors.add_sets(pool(1), &[set(1)], &[layout]);
         assert_eq!(read(&descriptors, set(1)), (vec![], false));
+    }
+
+    /// Engines without a set for each draw keep all textures in one, the attachments of all passes among them: no draw reads all of them.
+    #[test]
+    fn a_set_of_all_textures_names_none() {
+        let descriptors = Descriptors::default();
+        let layout = vk::DescriptorSetLayout::from_raw(1);
+        descriptors.add_layout(layout, true);
+        descriptors.add_sets(pool(1), &[set(1)], &[layout]);
+        let write = |element: u32| descriptors.write(set(1), (0, element), Some(ImageKey(element.into())));
+        (0..Reads::MOST as u32).for_each(write);
+        assert_eq!(read(&descriptors, set(1)).0.len(), Reads::MOST);
+        write(100);
+        assert_eq!(read(&descriptors, set(1)), (vec![], true));
+        assert!(!descriptors.may_name(set(1)));
+        descriptors.write(set(1), (0, 100), None);
+        (0..3).for_each(write);
+        assert_eq!(read(&descriptors, set(1)), (vec![], true));
+        descriptors.add_sets(pool(1), &[set(1)], &[layout]);
+        write(5);
+        assert_eq!(read(&descriptors, set(1)), (vec![5], true), "another set of this handle");
     }
 
     #[test]

@@ -40,6 +40,12 @@ impl Image {
         }
     }
 
+    /// Whether passes may draw to it. Most images are textures, which none does.
+    pub fn may_be_drawn_to(&self) -> bool {
+        let attached = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        self.granted.intersects(attached)
+    }
+
     /// An image of a swapchain that was not made through this layer.
     pub fn of_swapchain(handle: vk::Image, record: &SwapchainRecord) -> Self {
         Self {

@@ -165,7 +165,7 @@ unsafe fn begin_tracked(
                 binding::pass_begins(&armed.next, rates, handle, || rates.leaves_alone((*info).render_pass));
                 rates.begin_render_pass(info, target, begin)
             };
-            (image.map(|image| armed.candidates.with_rate_image(image)), None)
+            (image.map(|image| armed.candidates.with_rate_image(image, true)), None)
         }
         (None, Some(masks)) => {
             let instance = instance.as_ref().zip(pass.as_mut());

@@ -101,7 +101,7 @@ unsafe fn begin_tracked(
                 binding::pass_begins(&armed.next, rates, handle, || has_own_rates(&*info));
                 rates.begin_rendering(info, (target, armed.frame.is_on()), begin)
             };
-            (image.map(|image| armed.candidates.with_rate_image(image)), None)
+            (image.map(|(image, is_attached)| armed.candidates.with_rate_image(image, is_attached)), None)
         }
         // SAFETY: valid usage of vkCmdBeginRendering, as this function requires.
         (None, Some(masks)) => unsafe { begin_masked(buffer, masks, handle, info, &mut pass, begin) },

@@ -27,8 +27,7 @@ pub unsafe fn submit(
     deciding: Option<&Deciding>,
 ) {
     let is_urgent = outdated.iter().any(|candidate| {
-        let content = candidate.content();
-        content.need(u64::MAX) == Need::Initialise || content.has_stale_tiles()
+        candidate.need(u64::MAX) == Need::Initialise || candidate.content().has_stale_tiles()
     });
     // SAFETY: this thread may use the live queue, as `# Safety` demands; the slot is not pending.
     ring.with_slot(own, is_urgent, |slot| unsafe { fill(slot, armed, own, queue, outdated, deciding) });

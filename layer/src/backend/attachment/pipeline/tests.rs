@@ -147,6 +147,10 @@ fn samples_that_are_shaded_or_too_many_keep_their_rate() {
     assert_eq!(state(one), OBEYS);
     assert_eq!(state(one.sample_shading_enable(true)), None);
     assert_eq!(state(one.alpha_to_coverage_enable(true)), None);
+    let states = [vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT];
+    let by_command = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
+    let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).dynamic_state(&by_command);
+    assert_eq!(outcome(&info, Effects::default()).state, None, "commands may turn it on");
     assert_eq!(
         state(plain.rasterization_samples(vk::SampleCountFlags::TYPE_8)),
         None,
