@@ -266,11 +266,12 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     let mut works = Works::new();
     let mut regions = Regions::default();
     works.extend(swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)));
+    // Also of images that the runtime has no room for now: re-use reads them later.
+    works.iter().for_each(|work| work.ask_layout(&active.device));
     process(frame, tools, &mut works);
     complete::complete(frame, tools, report, &mut works, &mut history, &mut regions);
     works.retain(|work| work.is_due(is_drawn_over));
     works.retain(|work| work.take_image(next));
-    works.iter().for_each(|work| work.ask_layout(&active.device));
     if works.is_empty() {
         return Ok(());
     }

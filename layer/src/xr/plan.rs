@@ -83,8 +83,16 @@ struct Frame {
     time: Option<xr::Time>,
     /// Whether its views were located.
     is_located: bool,
+    /// Whether its views were located before it began.
+    was_located_ahead: bool,
     /// Views of later calls, and of calls for the next frame, to be taken when the frame ends: the first call planned it.
     later: Option<LaterViews>,
+}
+
+impl Frame {
+    fn new(config: Arc<ConfigSnapshot>, time: Option<xr::Time>) -> Self {
+        Self { config, time, is_located: false, was_located_ahead: false, later: None }
+    }
 }
 
 impl SessionPlan {
@@ -97,7 +105,7 @@ impl SessionPlan {
             audio_input: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
             seen: SeenFrames::default(),
-            frame: Mutex::new(Frame { config, time: None, is_located: false, later: None }),
+            frame: Mutex::new(Frame::new(config, None)),
             quiet: Mutex::default(),
             has_reported_unseen: AtomicBool::new(false),
             is_running: AtomicBool::new(true),
@@ -390,8 +398,12 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let state = &active.plan;
     let Some(count) = state.sleep.frame_begins() else { return };
     let config = session.instance.config.snapshot();
-    let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false, later: None };
-    let last = std::mem::replace(&mut *state.frame(), frame);
+    let mut frame = Frame::new(Arc::clone(&config), Some(time));
+    let last = {
+        let mut last = state.frame();
+        frame.was_located_ahead = last.later.as_ref().is_some_and(|later| later.time == time);
+        std::mem::replace(&mut *last, frame)
+    };
     state.notify_settings(active, &config);
     {
         let mut planner = state.planner();
@@ -401,9 +413,10 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
         planner.frame_begins(time.as_nanos(), count);
     }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then. One with a thread ahead of
-    // the render thread has located them already.
-    if !last.is_located {
-        let located = last.later.filter(|later| later.time == time).map(|later| later.views);
+    // the render thread has located them already; if its last frame was not located ahead, it is not known to locate them twice.
+    let located = last.later.filter(|later| later.time == time).map(|later| later.views);
+    let is_only_ahead = located.is_some() && !last.was_located_ahead;
+    if !last.is_located || is_only_ahead {
         watch(session, (active, &config), time);
         plan(session, (active, &config), time, views::expected(active, &config, located));
     }

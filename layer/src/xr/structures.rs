@@ -30,6 +30,7 @@ structures! {
     CompositionLayerEquirectKHR: COMPOSITION_LAYER_EQUIRECT_KHR;
     CompositionLayerEquirect2KHR: COMPOSITION_LAYER_EQUIRECT2_KHR;
     CompositionLayerCubeKHR: COMPOSITION_LAYER_CUBE_KHR;
+    CompositionLayerImageLayoutFB: COMPOSITION_LAYER_IMAGE_LAYOUT_FB;
     CompositionLayerDepthInfoKHR: COMPOSITION_LAYER_DEPTH_INFO_KHR;
     SystemEyeGazeInteractionPropertiesEXT: SYSTEM_EYE_GAZE_INTERACTION_PROPERTIES_EXT;
     EyeGazeSampleTimeEXT: EYE_GAZE_SAMPLE_TIME_EXT;

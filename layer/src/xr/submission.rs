@@ -7,6 +7,7 @@ use crate::inputs::gaze::rotation;
 use crate::planner::View;
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
+use openxr_sys::CompositionLayerImageLayoutFlagsFB as FlipFlags;
 use parafovea_core::geometry::{DepthRange, Fov};
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -139,10 +140,13 @@ impl Submission {
             return;
         }
         let first = self.views.len();
-        // SAFETY: the layer has `view_count` valid views, as `# Safety` demands.
+        // SAFETY: the layer has a valid chain and `view_count` valid views, as `# Safety` demands.
         unsafe {
+            let is_flipped = extending(layer.next)
+                .find::<xr::CompositionLayerImageLayoutFB>()
+                .is_some_and(|layout| layout.flags.contains(FlipFlags::VERTICAL_FLIP));
             let views = slice::from_raw_parts(layer.views, layer.view_count as usize);
-            self.views.extend(views.iter().map(|view| ProjectionView::read(view)));
+            self.views.extend(views.iter().map(|view| ProjectionView::read(view, is_flipped)));
         }
         self.known.push(Known::Projection(layer.space, first..self.views.len()));
     }
@@ -211,12 +215,13 @@ impl Projection<'_> {
 }
 
 impl ProjectionView {
-    /// Reads a view.
+    /// Reads a view. In a layer that `is_flipped` (XR_FB_composition_layer_image_layout) its last row is the top: the same picture as with up and
+    /// down of its field of view exchanged.
     ///
     /// # Safety
     ///
     /// The chain of the view is valid.
-    unsafe fn read(view: &xr::CompositionLayerProjectionView) -> Self {
+    unsafe fn read(view: &xr::CompositionLayerProjectionView, is_flipped: bool) -> Self {
         let xr::Quaternionf { x, y, z, w } = view.pose.orientation;
         let xr::Vector3f { x: right, y: up, z: back } = view.pose.position;
         // SAFETY: the chain is valid, as `# Safety` demands.
@@ -224,7 +229,7 @@ impl ProjectionView {
         Self {
             orientation: rotation(x, y, z, w),
             position_m: Vec3::new(right, up, back),
-            fov: fov(&view.fov),
+            fov: if is_flipped { upside_down(fov(&view.fov)) } else { fov(&view.fov) },
             sub_image: view.sub_image,
             depth: depth.map(|info| SubmittedDepth {
                 sub_image: info.sub_image,
@@ -247,6 +252,10 @@ impl ProjectionView {
 /// A field of view of OpenXR.
 pub fn fov(fov: &xr::Fovf) -> Fov {
     Fov { left: fov.angle_left, right: fov.angle_right, up: fov.angle_up, down: fov.angle_down }
+}
+
+fn upside_down(fov: Fov) -> Fov {
+    Fov { up: fov.down, down: fov.up, ..fov }
 }
 
 /// The layer as a `T`; `None` if its header has another type.

@@ -44,11 +44,12 @@ pub struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    /// Begins with nothing to process; `None` if the application has released nothing yet.
+    /// Begins with nothing to process; `None` if the application has released nothing yet, or destroys the swapchain on another thread.
     pub fn begin(swapchain: &'a Swapchain) -> Option<Self> {
         let substitute = swapchain.substitute.as_ref()?;
         let newest = substitute.ring().newest()?;
         let mut target = substitute.target();
+        target.images()?;
         target.regions.clear();
         Some(Self {
             swapchain,
@@ -62,9 +63,11 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// Asks in which layout the application left its newest image.
+    /// Asks in which layout the application left its newest image, if it is new.
     pub fn ask_layout(&self, device: &VulkanDevice) {
-        if let Some(image) = self.substitute.app.images().get(self.newest.index as usize) {
+        if self.newest.fresh
+            && let Some(image) = self.substitute.app.images().get(self.newest.index as usize)
+        {
             self.substitute.app.left_in(self.newest.index, device.layout(*image));
         }
     }

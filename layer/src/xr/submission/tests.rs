@@ -69,6 +69,28 @@ fn read(layers: &[*const Header]) -> Submission {
     unsafe { Submission::read(&info) }
 }
 
+/// As Chromium submits what it draws with OpenGL.
+#[test]
+fn flipped_layers_are_upside_down() {
+    let mut upside_down = view(1, None);
+    (upside_down.fov.angle_up, upside_down.fov.angle_down) = (-0.7, 0.6);
+    let views = [view(1, None), upside_down];
+    let ups = |flags| {
+        let layout = xr::CompositionLayerImageLayoutFB {
+            ty: xr::CompositionLayerImageLayoutFB::TYPE,
+            next: ptr::null_mut(),
+            flags,
+        };
+        let layer =
+            xr::CompositionLayerProjection { next: ptr::from_ref(&layout).cast(), ..projection(&views) };
+        let submission = read(&[ptr::from_ref(&layer).cast()]);
+        submission.scene().unwrap().views.iter().map(|view| (view.fov.up, view.fov.down)).collect::<Vec<_>>()
+    };
+    let (upright, flipped) = ((0.6, -0.7), (-0.7, 0.6));
+    assert_eq!(ups(FlipFlags::EMPTY), [upright, flipped]);
+    assert_eq!(ups(FlipFlags::VERTICAL_FLIP), [flipped, upright]);
+}
+
 #[test]
 fn views_are_as_submitted() {
     let of_left = depth(3, 0.2, f32::INFINITY);

@@ -136,6 +136,49 @@ fn an_application_that_locates_its_views_elsewhere_is_planned_at_begin() {
     assert_eq!(plans_of(&|| application.locate()), 1);
 }
 
+/// The lead of a thread ahead of the render thread changes: the views of a frame are located after it began, or before. A frame that is planned
+/// as it ends is drawn with the map of the frame before.
+#[test]
+fn views_located_ahead_plan_their_frame_at_begin() {
+    let application = Application::new();
+    look(0.0);
+    application.settle();
+    let views = [application.view(0), application.view(1)];
+    let plans_of = |act: &dyn Fn()| {
+        GAZE_LOCATED.set(0);
+        act();
+        GAZE_LOCATED.get()
+    };
+    let end = || application.end(&views, None);
+    for _ in 0..3 {
+        application.begin();
+        assert_eq!(plans_of(&|| application.locate()), 1, "located after it began");
+        assert_eq!(plans_of(&|| application.begin_ahead(end)), 1, "located ahead");
+        assert_eq!(plans_of(&end), 0);
+        assert_eq!(plans_of(&|| application.begin()), 1, "not known yet to be located");
+        assert_eq!(plans_of(&|| application.locate()), 0);
+        end();
+    }
+}
+
+/// Views located twice for each frame: the second call has the newer gaze.
+#[test]
+fn views_located_ahead_and_again_plan_with_the_second_call() {
+    let application = Application::new();
+    look(0.0);
+    application.settle();
+    let views = [application.view(0), application.view(1)];
+    application.begin();
+    application.locate();
+    for frame in 0..4 {
+        GAZE_LOCATED.set(0);
+        application.begin_ahead(|| application.end(&views, None));
+        assert_eq!(GAZE_LOCATED.get(), usize::from(frame == 0), "frame {frame}, at begin");
+        application.locate();
+        assert_eq!(GAZE_LOCATED.get(), 1, "frame {frame}");
+    }
+}
+
 #[test]
 fn a_tracker_that_has_stopped_is_noticed_when_the_head_turns() {
     let application = Application::new();
