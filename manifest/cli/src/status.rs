@@ -70,11 +70,16 @@ pub fn watch(
 /// Calls `show`, unless applications have no folder for their state.
 pub fn with_folder(show: impl FnOnce(&Environment) -> ExitCode) -> ExitCode {
     let environment = Environment::of_process(false);
-    if environment.status_folder().is_none() {
+    if environment.status_folders().is_empty() {
         eprintln!(
-            "parafovea: XDG_RUNTIME_DIR is not set, so applications have no folder for their state; run this in your desktop session, which sets it"
+            "parafovea: none of XDG_RUNTIME_DIR, XDG_STATE_HOME and HOME is set, so applications have no folder for their state; run this in your desktop session, which sets them"
         );
         return ExitCode::FAILURE;
+    }
+    if environment.status_folder().is_none() {
+        eprintln!(
+            "parafovea: XDG_RUNTIME_DIR is not set, so only applications in containers such as Steam's are found; your desktop session sets it"
+        );
     }
     show(&environment)
 }

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{Status, StatusFile};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -414,10 +416,30 @@ fn a_second_installation_is_refused() {
     assert!(flatpak.status.success(), "{flatpak:?}");
 }
 
+/// As over SSH: games in containers have their state in the home.
 #[test]
-fn nobody_who_plays_is_no_failure() {
+fn applications_in_containers_are_found_without_a_runtime_folder() {
     let home = TempDir::new().unwrap();
-    assert!(
-        complained(&parafovea(home.path(), &["status", "--once"])).contains("XDG_RUNTIME_DIR is not set")
-    );
+    let status = || parafovea(home.path(), &["status", "--once"]);
+    let none = status();
+    assert!(none.status.success() && printed(&none).starts_with("No running application"), "{none:?}");
+    let container = Environment::new(false, |name| match name {
+        "HOME" => Some(home.path().into()),
+        "container" => Some("pressure-vessel".into()),
+        _ => None,
+    });
+    let file = StatusFile::new(&container, 7).unwrap().unwrap();
+    file.write(&Status { pid: 7, application: "Game".to_owned(), ..Status::default() }).unwrap();
+    for found in [status(), parafovea(home.path(), &["gaze", "--once"])] {
+        assert!(printed(&found).starts_with("Game (process 7"), "{found:?}");
+        let warning = String::from_utf8(found.stderr).unwrap();
+        assert!(warning.contains("XDG_RUNTIME_DIR is not set"), "{warning}");
+    }
+    drop(file);
+    for measurement in ["recentre", "calibrate"] {
+        let complaint = complained(&parafovea(home.path(), &["gaze", measurement]));
+        assert!(complaint.contains("no running application has an active OpenXR session"), "{complaint}");
+    }
+    let homeless = complained(&parafovea(Path::new("."), &["status", "--once"]));
+    assert!(homeless.contains("none of XDG_RUNTIME_DIR, XDG_STATE_HOME and HOME is set"), "{homeless}");
 }
