@@ -125,7 +125,7 @@ impl GazeCorrection {
 
     /// The file for a headset; `None` without a home, or without a name.
     pub fn file(environment: &Environment, headset: &str) -> Option<PathBuf> {
-        Some(folder(environment)?.join(format!("{}.json", file_stem(headset)?)))
+        Some(folder(environment.state_home()?).join(format!("{}.json", file_stem(headset)?)))
     }
 
     /// The correction in a file; `None` if it is missing. Never waits.
@@ -183,21 +183,22 @@ impl GazeCorrection {
         private_file::replace(path, &next, text.as_bytes())
     }
 
-    /// Removes the corrections of all headsets, damaged ones too, and returns their files.
+    /// Removes the corrections of all headsets, damaged ones and those in Steam's Flatpak too, and returns their files.
     ///
     /// # Errors
     /// The file system refuses.
     pub fn remove_all(environment: &Environment) -> io::Result<Vec<PathBuf>> {
-        let entries = match folder(environment).map(fs::read_dir) {
-            None => return Ok(Vec::new()),
-            Some(Err(error)) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-            Some(entries) => entries?,
-        };
         let mut removed = Vec::new();
-        for path in entries.flatten().map(|entry| entry.path()) {
-            if path.extension().is_some_and(|extension| extension == "json") {
-                fs::remove_file(&path)?;
-                removed.push(path);
+        for state in environment.state_homes() {
+            let entries = match fs::read_dir(folder(&state)) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                entries => entries?,
+            };
+            for path in entries.flatten().map(|entry| entry.path()) {
+                if path.extension().is_some_and(|extension| extension == "json") {
+                    fs::remove_file(&path)?;
+                    removed.push(path);
+                }
             }
         }
         removed.sort();
@@ -205,13 +206,14 @@ impl GazeCorrection {
     }
 }
 
-fn folder(environment: &Environment) -> Option<PathBuf> {
-    Some(environment.state_home()?.join("parafovea").join("gaze"))
+fn folder(state_home: &Path) -> PathBuf {
+    state_home.join("parafovea").join("gaze")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paths::FLATPAK_STEAM;
     use std::os::unix::fs::PermissionsExt;
 
     #[test]
@@ -233,6 +235,20 @@ mod tests {
         assert_eq!(GazeCorrection::remove_all(&environment).unwrap().len(), 2);
         assert_eq!(GazeCorrection::read(&path), Ok(None));
         assert_eq!(GazeCorrection::file(&environment, ""), None);
+    }
+
+    /// Games of that Steam have another home than this user's command.
+    #[test]
+    fn corrections_in_the_flatpak_of_steam_are_removed_too() {
+        let home = tempfile::tempdir().unwrap();
+        let of = |home: &Path| Environment::new(false, |name| (name == "HOME").then(|| home.into()));
+        let (host, flatpak) = (of(home.path()), of(&home.path().join(FLATPAK_STEAM)));
+        let files = [&host, &flatpak].map(|environment| GazeCorrection::file(environment, "a").unwrap());
+        for file in &files {
+            GazeCorrection::new("a", "eyes", [1.0, 0.0], 0.1).write(file).unwrap();
+        }
+        assert_eq!(GazeCorrection::remove_all(&host).unwrap(), files);
+        assert!(!files.iter().any(|file| file.exists()));
     }
 
     /// A calibration whose numbers are kept by rounding.

@@ -116,14 +116,21 @@ impl Environment {
 
     /// The folders with the status of applications, this process's own first: outside and inside containers, and in Steam's Flatpak.
     pub fn status_folders(&self) -> Vec<PathBuf> {
-        let flatpak = self.home.as_ref().map(|home| home.join(FLATPAK_STEAM).join(".local/state"));
-        let mut folders = Vec::new();
-        for folder in
-            [self.status_folder(), self.shared_status_folder(), flatpak.as_deref().map(shared_status_folder)]
-        {
-            folders.extend(folder.filter(|folder| !folders.contains(folder)));
+        let mut folders = Vec::from_iter(self.status_folder());
+        for folder in self.state_homes().iter().map(|state| shared_status_folder(state)) {
+            if !folders.contains(&folder) {
+                folders.push(folder);
+            }
         }
         folders
+    }
+
+    /// The state folders of applications: this process's own, and that of Steam's Flatpak.
+    pub fn state_homes(&self) -> Vec<PathBuf> {
+        let flatpak = self.home.as_ref().map(|home| home.join(FLATPAK_STEAM).join(".local/state"));
+        let mut homes = Vec::from_iter(self.state_home().map(Path::to_owned));
+        homes.extend(flatpak.filter(|flatpak| !homes.contains(flatpak)));
+        homes
     }
 
     fn shared_status_folder(&self) -> Option<PathBuf> {
@@ -137,9 +144,20 @@ impl Environment {
 
     /// Path of the log of `executable` (its path or its name): `$XDG_STATE_HOME/parafovea/<name>.log`.
     pub fn log_file(&self, executable: &Path) -> Option<PathBuf> {
-        let name = executable.file_name().and_then(file_stem)?;
-        Some(self.state_home()?.join("parafovea").join(format!("{name}.log")))
+        log_file(self.state_home()?, executable)
     }
+
+    /// Path of the log of an application whose status is in `status_folder`, one of [`Self::status_folders`].
+    pub fn log_file_with_status(&self, status_folder: &Path, executable: &Path) -> Option<PathBuf> {
+        let homes = self.state_homes();
+        let has_status = |state: &&PathBuf| shared_status_folder(state) == status_folder;
+        log_file(homes.iter().find(has_status).or(homes.first())?, executable)
+    }
+}
+
+fn log_file(state_home: &Path, executable: &Path) -> Option<PathBuf> {
+    let name = executable.file_name().and_then(file_stem)?;
+    Some(state_home.join("parafovea").join(format!("{name}.log")))
 }
 
 fn shared_status_folder(state_home: &Path) -> PathBuf {
@@ -220,6 +238,17 @@ mod tests {
             environment(true, &[("HOME", "/h"), ("container", "flatpak")]).status_folders(),
             [""; 0].map(PathBuf::from)
         );
+    }
+
+    #[test]
+    fn a_log_is_in_the_state_folder_of_its_applications_status() {
+        let host = environment(false, &[("HOME", "/h"), ("XDG_RUNTIME_DIR", "/run/user/1")]);
+        let own = PathBuf::from("/h/.local/state/parafovea/game.log");
+        let flatpak = PathBuf::from("/h/.var/app/com.valvesoftware.Steam/.local/state/parafovea/game.log");
+        let logs = host.status_folders();
+        let logs = logs.iter().map(|folder| host.log_file_with_status(folder, Path::new("game")).unwrap());
+        assert_eq!(logs.collect::<Vec<_>>(), [own.clone(), own, flatpak]);
+        assert_eq!(Environment::default().log_file_with_status(Path::new("/r"), Path::new("game")), None);
     }
 
     /// Containers for development, such as toolbox, have the user's runtime folder.

@@ -135,7 +135,7 @@ fn packets(osc: &Osc) -> String {
 }
 
 fn as_json(found: &[Found]) -> String {
-    let line = |Found { status, age }: &Found| {
+    let line = |Found { status, age, .. }: &Found| {
         let mut object = json!(status.gaze);
         object["correction"] = json!(status.gaze_correction);
         object["application"] = json!(status.application);
@@ -154,7 +154,7 @@ mod tests {
 
     fn found(gaze: Gaze) -> Vec<Found> {
         let status = Status { application: "Game".to_owned(), pid: 7, gaze, ..Status::default() };
-        vec![Found { status, age: Duration::ZERO }]
+        vec![Found { status, age: Duration::ZERO, log: None }]
     }
 
     fn followed() -> Gaze {
@@ -216,7 +216,7 @@ mod tests {
         assert!(text.contains("packets   none: 127.0.0.1:9020: address in use"), "{text}");
         assert!(!text.contains("noise") && !text.contains("drift"), "{text}");
         let inert = Status { inert: "its graphics API is not Vulkan".to_owned(), ..Status::default() };
-        let inert = [Found { status: inert, age: Duration::ZERO }];
+        let inert = [Found { status: inert, age: Duration::ZERO, log: None }];
         assert!(of_all(&inert).starts_with("No running application") && as_json(&inert).is_empty());
     }
 }

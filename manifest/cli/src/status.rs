@@ -48,7 +48,7 @@ pub fn status(options: Options) -> ExitCode {
         return with_folder(ask);
     }
     with_folder(|environment| {
-        let text = |found: &[Found], gone| text::of_all(found, gone, application, environment);
+        let text = |found: &[Found], gone| text::of_all(found, gone, application);
         repeat(environment, application, options.once, options.json, &Watched { text, json: as_json })
     })
 }

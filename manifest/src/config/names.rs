@@ -51,8 +51,9 @@ impl Names {
 
     /// By the logs, the latest first.
     fn logged(environment: &Environment, name: &str) -> Option<Self> {
-        let folder = environment.state_home()?.join("parafovea");
-        let entries = fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+        let folders = environment.state_homes().into_iter().map(|state| state.join("parafovea"));
+        let entries = folders.filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten();
+        let entries = entries.map(|entry| entry.path());
         let mut logs: Vec<_> = entries
             .filter(|path| path.extension().is_some_and(|extension| extension == "log"))
             .filter_map(|path| Some((fs::metadata(&path).ok()?.modified().ok()?, path)))
@@ -90,6 +91,7 @@ fn read(log: &Path) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paths::FLATPAK_STEAM;
     use crate::status::{Status, StatusFile};
     use std::time::Duration;
     use tempfile::TempDir;
@@ -141,5 +143,16 @@ mod tests {
         status.write(&Status { pid: 7, executable, application, ..Status::default() }).unwrap();
         assert_eq!(known("My \"Game\""), pair("My \"Game\"", "Live.exe"));
         assert_eq!(known("Live.exe"), pair("My \"Game\"", "Live.exe"));
+    }
+
+    #[test]
+    fn logs_in_the_flatpak_of_steam_count_too() {
+        let home = TempDir::new().unwrap();
+        log(&home, "other.log", 0, &["OpenXR instance of \"Other\""]);
+        let folder = home.path().join(FLATPAK_STEAM).join(".local/state/parafovea");
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("Game.exe.log"), "INFO  OpenXR instance of \"My Game\"\n").unwrap();
+        let known = Names::known(&environment(&home), "My Game", SystemTime::now());
+        assert_eq!(known, pair("My Game", "Game.exe"));
     }
 }

@@ -84,6 +84,8 @@ pub struct Found {
     pub status: Status,
     /// Time since it was written.
     pub age: Duration,
+    /// Path of the application's log; `None` without a folder for it.
+    pub log: Option<PathBuf>,
 }
 
 /// Number of files of applications that ended without removing theirs.
@@ -97,20 +99,21 @@ pub fn read_all(environment: &Environment, now: SystemTime) -> io::Result<(Vec<F
     let (mut found, mut gone) = (Vec::new(), 0);
     let mut paths = Vec::new();
     for folder in environment.status_folders() {
-        match fs::read_dir(folder) {
-            Ok(entries) => paths.extend(entries.flatten().map(|entry| entry.path())),
+        match fs::read_dir(&folder) {
+            Ok(entries) => paths.extend(entries.flatten().map(|entry| (folder.clone(), entry.path()))),
             Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {}
             Err(error) => return Err(error),
         }
     }
-    for path in paths {
+    for (folder, path) in paths {
         if path.extension().is_none_or(|extension| extension != "json") {
             continue;
         }
         // A file that is replaced meanwhile is read by the next look.
         let Some((status, age)) = read(&path, now) else { continue };
         if age <= Duration::from_secs(FRESH_S) {
-            found.push(Found { status, age });
+            let log = environment.log_file_with_status(&folder, Path::new(&status.executable));
+            found.push(Found { status, age, log });
         } else {
             gone += 1;
             if age > FORGOTTEN {
@@ -137,6 +140,7 @@ fn read(path: &Path, now: SystemTime) -> Option<(Status, Duration)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paths::FLATPAK_STEAM;
     use crate::status::{Decision, Topic};
     use std::os::unix::fs::PermissionsExt;
     use tempfile::TempDir;
@@ -192,12 +196,32 @@ mod tests {
         };
         let (host, game) = (of("run", ""), of("run of the container", "pressure-vessel"));
         let file = StatusFile::new(&game, 7).unwrap().unwrap();
-        file.write(&status(7)).unwrap();
-        assert_eq!(read_all(&host, SystemTime::now()).unwrap().0.len(), 1);
+        file.write(&Status { executable: "game".to_owned(), ..status(7) }).unwrap();
+        let (found, _) = read_all(&host, SystemTime::now()).unwrap();
+        let log = folder.path().join("home/.local/state/parafovea/game.log");
+        assert_eq!(found.iter().map(|found| found.log.clone()).collect::<Vec<_>>(), [Some(log)]);
         view::ask_view(&host, 7, Some(crate::options::DebugView::Gaze)).unwrap();
         assert_eq!(view::AskedView::new(&game, 7).look(), Some(crate::options::DebugView::Gaze));
         drop(file);
         assert_eq!(read_all(&host, SystemTime::now()).unwrap().0, []);
+    }
+
+    #[test]
+    fn a_status_in_the_flatpak_of_steam_is_found_with_its_log() {
+        let home = TempDir::new().unwrap();
+        let flatpak = home.path().join(FLATPAK_STEAM);
+        let of = |home: &Path, container: &str| {
+            Environment::new(false, |name| match name {
+                "HOME" => Some(home.into()),
+                "container" => Some(container.into()),
+                _ => None,
+            })
+        };
+        let file = StatusFile::new(&of(&flatpak, "pressure-vessel"), 7).unwrap().unwrap();
+        file.write(&Status { executable: "game".to_owned(), ..status(7) }).unwrap();
+        let (found, _) = read_all(&of(home.path(), ""), SystemTime::now()).unwrap();
+        let log = flatpak.join(".local/state/parafovea/game.log");
+        assert_eq!(found.iter().map(|found| found.log.clone()).collect::<Vec<_>>(), [Some(log)]);
     }
 
     #[test]

@@ -317,6 +317,7 @@ mod tests {
                 ..Status::default()
             },
             age: Duration::ZERO,
+            log: None,
         };
         assert_eq!(chosen(vec![found(3, "not Vulkan"), found(4, "")]).unwrap().pid, 4);
         assert!(chosen(vec![found(3, "not Vulkan")]).unwrap_err().starts_with("no running application"));

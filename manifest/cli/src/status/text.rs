@@ -1,19 +1,17 @@
 //! The status, for people.
 
-use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Found, Gate, Memory, Rates, Settings, Sound, Status, effect};
 use std::fmt::Write;
-use std::path::Path;
 
 /// All applications, or the one named in `asked`; `gone` is the number of crashed or hanging ones.
-pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &Environment) -> String {
-    let mut text: Vec<String> = found.iter().map(|found| of_one(&found.status, environment)).collect();
+pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>) -> String {
+    let mut text: Vec<String> = found.iter().map(of_one).collect();
     if found.is_empty() {
         let called = asked.map_or(String::new(), |name| format!(" named {name}"));
         text.push(format!(
             "No running application{called} has an OpenXR session with Parafovea.\n\
              To start one: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%.\n\
-             If a running application is missing here: run parafovea doctor, and read the application's log in ~/.local/state/parafovea.\n"
+             If a running application is missing here: run parafovea doctor, and read the application's log in ~/.local/state/parafovea (Steam from Flatpak: ~/.var/app/com.valvesoftware.Steam/.local/state/parafovea).\n"
         ));
     }
     if gone > 0 {
@@ -22,8 +20,7 @@ pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &E
     text.join("\n")
 }
 
-fn of_one(status: &Status, environment: &Environment) -> String {
-    let executable = Path::new(&status.executable);
+fn of_one(Found { status, log, .. }: &Found) -> String {
     let mut text = format!("{}\n", title(status));
     let mut line = |name: &str, value: &str| {
         // Writing to a String cannot fail.
@@ -58,7 +55,7 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         line("passes", &format!("{} with shading rates in the last frame", status.passes_matched));
     }
     line("settings", &settings(&status.settings));
-    if let Some(log) = environment.log_file(executable) {
+    if let Some(log) = log {
         line("log", &log.display().to_string());
     }
     // At the end, which may not fit on a screen. An inert session has none that count.
@@ -199,7 +196,7 @@ mod tests {
     use std::time::Duration;
 
     fn shown(status: Status) -> String {
-        of_all(&[Found { status, age: Duration::ZERO }], 0, None, &Environment::default())
+        of_all(&[Found { status, age: Duration::ZERO, log: Some("/s/game.log".into()) }], 0, None)
     }
 
     fn active() -> Status {
@@ -256,6 +253,7 @@ mod tests {
             "  decisions no rates",
             "            pass 64x64: the scene",
             "  settings  defaults; no configuration file",
+            "  log       /s/game.log",
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
         }
@@ -368,7 +366,7 @@ mod tests {
         let without = shown(Status { backend: "none".to_owned(), ..active() });
         assert!(without.contains("rates     unavailable: no backend on this device"), "{without}");
         assert!(without.contains("re-use    off"), "{without}");
-        let none = of_all(&[], 1, None, &Environment::default());
+        let none = of_all(&[], 1, None);
         assert!(none.starts_with("No running application") && none.contains("Not responding: 1"), "{none}");
     }
 }
