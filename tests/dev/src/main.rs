@@ -24,8 +24,8 @@ use std::process::ExitCode;
 const HELP: &str = "\
 Usage: cargo dev TASK, in any folder of the repository
 
-  setup                 install missing programs and libraries (on Debian and Ubuntu; on other systems, name them). Every task does
-                        this first
+  setup                 install missing programs and libraries (on Debian and Ubuntu; on other systems, name them). Every other task
+                        except `bench gate` does this first
   demo [--json] [APPLICATION ...]
                         run three applications, or only the named ones, without the layer and with its default preset, while the
                         gaze moves: courtyard (our test scene), render-pass (a rendering style of the zoo) and hello_xr (unmodified).
