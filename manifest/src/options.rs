@@ -322,7 +322,7 @@ options! {
         mode: RatesMode = RatesMode::Auto;
         /// Backend for shading rates.
         backend: RatesBackend = RatesBackend::Auto;
-        /// Reaction to a slowdown of the application by shading rates or by re-use; each is judged separately.
+        /// Automatic removal of shading rates, or of re-use, if it does not save time; each is judged separately.
         gate: RatesGate = RatesGate::Auto;
         /// Rules that name the scene's render passes; empty for automatic recognition.
         passes: PassRules = PassRules::default();
@@ -332,7 +332,7 @@ options! {
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// Coarsest shading rate, in pixels; a device without this rate uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::Auto;
-        /// Greatest contrast loss of a tile, in just-noticeable differences, for mode = "auto" on a GPU and for "audio-visual"; a lower value looks better and saves less. The loudest sound permits this loss; with quieter sound or in silence, the limit is up to 1.8 lower. Only the tiles with the largest saving reach it.
+        /// Greatest contrast loss of a tile, in just-noticeable differences, for mode = "auto" on a GPU and for "audio-visual"; a lower value looks better and saves less. The limit applies to the loudest sound; it is up to 1.8 lower with quieter sound or in silence. Most tiles stay below it.
         greatest_loss: f32 = 8.0, 0.0..=16.0 "";
         /// Shading rates in silence, for mode = "auto" and "audio-visual".
         silence: SilenceRule = SilenceRule::Contrast;
