@@ -271,7 +271,7 @@ fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
             outcome.log
         );
         assert_eq!(max_difference(&before, &after, |_, _| true), 0, "it is gone again");
-        assert_eq!(outcome.log.contains("is virtual"), config == COLOURED, "{}", outcome.log);
+        assert_eq!(outcome.log.contains("images of the layer"), config == COLOURED, "{}", outcome.log);
         let reference = Run::new(&hello_xr(), &Scenario::new(10).sized(96, 96)).validated().finish().unwrap();
         assert_valid(&outcome, &reference);
     }
@@ -318,7 +318,7 @@ fn an_edit_shows_it_in_images_of_the_runtime() {
     let [before, with] = [30, with].map(|frame| outcome.submitted(0, frame).unwrap());
     let view = &EyeView::of_scenario(&scenario)[0];
     let outside = |x, y| view.eccentricity_deg(&before, x, y) > 1.3 + BETWEEN_EYES_DEG;
-    assert!(!outcome.log.contains("is virtual"), "{}", outcome.log);
+    assert!(!outcome.log.contains("images of the layer"), "{}", outcome.log);
     assert_eq!(max_difference(&before, &with, outside), 0, "{}", outcome.log);
     assert!(max_difference(&before, &with, |x, y| !outside(x, y)) > 50, "{}", outcome.log);
 }

@@ -123,11 +123,11 @@ impl GazeTracker {
         self.take(sample, sample.time_ns);
     }
 
-    /// Takes one sample that was the newest when the source was asked about `now_ns` (in a frame, the time when it is shown,
-    /// which [`Self::state`] is asked about too). A time of 0 or less is not known, as in `XrEyeGazeSampleTimeEXT`, and
-    /// one that is 20 ms or more ahead of `now_ns`, or 300 ms behind, cannot be true, nor can others within a second of it: the sample
-    /// is taken to be as old as [`GazeSettings::latency_ms`], and to be the one before if within 0.005 degrees of it. One
-    /// without `valid` or without a plausible direction is a missing gaze, see [`Self::rejection`].
+    /// Takes the newest sample of the source at `now_ns` (in a frame, its display time, as for [`Self::state`]). A time of 0 or less is
+    /// unknown, as in `XrEyeGazeSampleTimeEXT`. A time that is 20 ms or more ahead of `now_ns`, or 300 ms behind, is wrong, and so are all
+    /// times within a second of it. A sample with an unknown or a wrong time counts as [`GazeSettings::latency_ms`] old, and as a
+    /// repetition if it is within 0.005 degrees of the sample before. A sample without `valid` or without a plausible direction is a
+    /// missing gaze, see [`Self::rejection`].
     pub fn push_at(&mut self, sample: &GazeSample, now_ns: i64) {
         let is_dated = sample.time_ns > 0;
         let is_old = is_dated && sample.valid && !self.times.take(sample.time_ns, now_ns);

@@ -97,8 +97,8 @@ impl DecideParams {
     }
 
     /// With contrast that was measured while the view was `measured`, for a view that is `now` in this frame: distant content moves within
-    /// the image as the head turns. Of orientations that are none, and of turns of less than an eighth of a tile, the tiles are taken to be
-    /// where they were.
+    /// the image as the head turns. If an orientation is invalid, or the turn is less than an eighth of a tile, the tiles stay at their
+    /// places.
     pub fn measured_in(mut self, measured: &View, now: Quat) -> Self {
         self.is_turned = 0;
         let ahead = View { orientation: now, plane: ImagePlane { origin: Vec2::ZERO, step: Vec2::ONE } };

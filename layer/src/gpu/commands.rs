@@ -389,7 +389,7 @@ impl Uses {
 impl Drop for Uses {
     fn drop(&mut self) {
         if let Err(error) = self.gpu.wait(*self.last.get_mut()) {
-            error.log("images in use are destroyed with the device");
+            error.log("a wait for the GPU failed, so images in use are destroyed only with the device");
         }
     }
 }

@@ -75,7 +75,7 @@ impl ResolvedMap {
         eyes: [Arc<EyeTiles>; 2],
     ) -> Self {
         let targets = targets((frame, rates), tools, place, form, &shapes, &eyes)
-            .inspect_err(|error| error.log("a map comes from the plan alone"));
+            .inspect_err(|error| error.log("rings instead of rates by contrast in one render target"));
         Self {
             parts: place.parts.into(),
             image: *place.image,

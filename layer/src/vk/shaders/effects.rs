@@ -1,7 +1,7 @@
 //! Effects of fragment shaders that shading rates must not change, read from their SPIR-V.
 //!
-//! A shader that stores to memory, counts, or writes identifiers runs once for each pixel in the application's mind;
-//! once for each block it would leave holes. One that discards decides for a whole block at once (Vulkan specification,
+//! A shader may store to memory, count, or write identifiers. The application expects such a shader to run once per pixel. At a coarse rate
+//! it runs once per block, and its results have holes. A shader that discards decides for a whole block at once (Vulkan specification,
 //! VK_KHR_shader_terminate_invocation: the coverage of all samples of the invocation becomes 0).
 
 use super::spirv::{self, Instruction, MODEL_FRAGMENT, built_in, class, decoration, op};

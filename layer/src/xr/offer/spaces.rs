@@ -171,8 +171,8 @@ impl Side {
     }
 }
 
-/// The location of a space in a base, by that of the spaces which the runtime was asked about; [`NOWHERE`] where either has no pose. Its time is
-/// that of the sample where the space is the gaze, else 0.
+/// Converts the runtime's location into that of `space` relative to `base`; for the gaze, the runtime located the head instead. The time is that
+/// of the sample if `space` is the gaze, else 0. [`NOWHERE`] if either has no pose.
 fn turned(
     (located_flags, located): (xr::SpaceLocationFlags, &xr::Posef),
     space: Placement,

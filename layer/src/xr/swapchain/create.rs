@@ -230,7 +230,7 @@ fn substitute(
     }
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(
-        "swapchain of {width}x{height}x{} {:?} is virtual, {} images",
+        "swapchain of {width}x{height}x{} {:?}: the application draws to {} images of the layer",
         shape.array_layers,
         shape.format,
         substitute.app.images().len(),

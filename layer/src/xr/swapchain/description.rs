@@ -23,8 +23,8 @@ pub struct Description {
 }
 
 impl Description {
-    /// Of a swapchain that the application created with `info`, which structures that the layer does not know extend unless it `is_plain`, and
-    /// whose images may be used for `granted`.
+    /// Describes a swapchain created with `info`. `is_plain`: the layer knows every structure in its chain. `granted`: the usage that the
+    /// images allow.
     pub fn new(info: &xr::SwapchainCreateInfo, is_plain: bool, granted: vk::ImageUsageFlags) -> Self {
         Self {
             extent: [info.width, info.height],

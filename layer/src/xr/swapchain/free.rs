@@ -1,7 +1,7 @@
 //! Waiting until an image of a virtual swapchain may be drawn to.
 //!
-//! On the session's queue there is nothing to wait for: all that reads an image is submitted to it before the application can submit new draws to it.
-//! Other queues of the application know no order with that.
+//! On the session's queue there is nothing to wait for: the layer submits its reads of an image there before the application can submit new
+//! draws to the image. Draws on other queues of the application may overtake these reads.
 
 use super::{Substitute, Swapchain};
 use openxr_sys as xr;
@@ -14,8 +14,8 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const BETWEEN_LOOKS: Duration = Duration::from_micros(200);
 
 impl Swapchain {
-    /// Waits, at most for so long, until no work of ours uses an image any more, where the application draws to it on another queue than the session's.
-    /// Whether it is free, or will never be.
+    /// Waits until the layer no longer uses an image that the application draws to on a queue other than the session's: at most for `timeout`, and
+    /// never longer than [`PATIENCE`]. Returns whether the image is free, or will never be.
     pub(super) fn waits_until_free(
         &self,
         substitute: &Substitute,
