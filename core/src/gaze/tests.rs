@@ -1,6 +1,7 @@
 use super::*;
 
 mod properties;
+mod sampling;
 mod scenarios;
 
 const MS: i64 = 1_000_000;

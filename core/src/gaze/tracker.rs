@@ -278,7 +278,7 @@ impl GazeTracker {
             Some(seen) => {
                 let gap = sample.time_ns.saturating_sub(seen.motion.newest().time_ns);
                 if gap < 0 {
-                    if gap >= -nanoseconds(settings.hold_ms) {
+                    if gap >= -nanoseconds(settings.hold_ms).max(SILENT_NS) {
                         return Err(Rejection::OutOfOrder);
                     }
                     // The clock restarted.
@@ -314,7 +314,7 @@ impl GazeTracker {
 
     fn phase(&self, seen: &Seen, now: i64) -> GazePhase {
         let age = distance_ns(now, seen.arrived_ns);
-        if self.ended || age > nanoseconds(self.settings.hold_ms) {
+        if self.ended || age > self.held_ns(seen) {
             return GazePhase::Lost;
         }
         if seen.interrupted && age >= BLINK_NS || age > silent_ns(&seen.motion) {
@@ -344,10 +344,16 @@ impl GazeTracker {
             })
     }
 
+    /// Time that the last gaze stays in use: at least until two samples are missing, with trackers of 25 Hz or more.
+    fn held_ns(&self, seen: &Seen) -> i64 {
+        let missing_ns = intervals_ns(&seen.motion, SILENT_INTERVALS).min(2 * SILENT_NS);
+        nanoseconds(self.settings.hold_ms).max(missing_ns)
+    }
+
     /// As it was with the newest usable sample until the hold is over, then falling.
     fn trust_at(&self, now: i64) -> f32 {
         let Some(seen) = &self.seen else { return 0.0 };
-        let hold = if self.ended { 0 } else { nanoseconds(self.settings.hold_ms) };
+        let hold = if self.ended { 0 } else { self.held_ns(seen) };
         let overdue = distance_ns(now, seen.arrived_ns) - hold;
         if overdue <= 0 {
             seen.trust

@@ -93,7 +93,9 @@ impl Planner {
     /// pixels. Tiles are given as column, and row in the upper 16 bits.
     pub fn content_changed(&mut self, view: &View, tiles: impl ExactSizeIterator<Item = (u32, f32)>) {
         if self.settings.schedule.is_some_and(|updates| updates.unit == UpdateUnit::Directions) {
-            self.changes.seen(view, tiles);
+            let all =
+                self.plan.eyes.iter().map(|eye| (eye.rates.width() * eye.rates.height()) as usize).max();
+            self.changes.seen(view, all.unwrap_or_default(), tiles);
         }
     }
 
@@ -103,12 +105,15 @@ impl Planner {
     }
 
     /// Turn of the head since the frame before, in tiles at the centre of the left picture; 0 in the first frame.
-    fn turned_tiles(&mut self, input: &PlanInput, head: Quat) -> f32 {
+    pub(super) fn turned_tiles(&mut self, input: &PlanInput, head: Quat) -> f32 {
         let before = self.last_head.replace(head).unwrap_or(head);
         let EyeInput { extent: [width, _], fov, .. } = input.eyes[0];
-        let across = fov.right.tan() - fov.left.tan();
+        let tangents = fov.tangents();
+        let across = tangents.right - tangents.left;
         let tile = across * self.settings.device.texel[0] as f32 / width as f32;
-        let tiles = before.angle_between(head) / tile;
+        // Exact at small angles, where an arc cosine is not: a head at rest does not turn.
+        let turn = 2.0 * (before.inverse() * head).xyz().length().min(1.0).asin();
+        let tiles = turn / tile;
         if tile > 0.0 && tiles.is_finite() { tiles } else { 0.0 }
     }
 

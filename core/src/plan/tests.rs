@@ -107,6 +107,27 @@ fn off_is_full_rate() {
     }
 }
 
+/// Rates by contrast change faster while the head turns.
+#[test]
+fn a_head_at_rest_turns_by_no_tile() {
+    let mut planner = Planner::new(PlanSettings::default());
+    let golden = |number: u32, factor: f32| (number as f32 * factor).fract() * std::f32::consts::TAU;
+    for number in 0..1000 {
+        let head = Quat::from_euler(
+            glam::EulerRot::YXZ,
+            golden(number, 0.618_034),
+            golden(number, 0.754_878),
+            golden(number, 0.569_84),
+        );
+        planner.turned_tiles(&input(), head);
+        let at_rest = planner.turned_tiles(&input(), head);
+        assert!(at_rest < 1e-4, "{head}: {at_rest} tiles");
+        // A tile is about three degrees wide.
+        let turned = planner.turned_tiles(&input(), head * Quat::from_rotation_y(0.01));
+        assert!((0.15..0.25).contains(&turned), "{turned} tiles");
+    }
+}
+
 #[test]
 fn first_frame_is_full_and_coarsens_within_the_limit() {
     let mut planner = Planner::new(fixed());

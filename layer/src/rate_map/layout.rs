@@ -307,12 +307,14 @@ fn spread_over(texels: &mut [u8], times: usize, tiles: &[u8]) {
 
 /// [`spread_over`] for common numbers, compiled to plain stores.
 fn spread_over_each<const TIMES: usize>(texels: &mut [u8], tiles: &[u8]) {
-    let mut whole = texels.chunks_exact_mut(TIMES);
-    for (texels, tile) in whole.by_ref().zip(tiles) {
+    let whole = texels.len() / TIMES;
+    let mut each = texels.chunks_exact_mut(TIMES);
+    for (texels, tile) in each.by_ref().zip(tiles) {
         texels.copy_from_slice(&[*tile; TIMES]);
     }
-    if let Some(tile) = tiles.last() {
-        whole.into_remainder().fill(*tile);
+    // The plan may have more columns than the texels show.
+    if let Some(tile) = tiles.get(whole).or(tiles.last()) {
+        each.into_remainder().fill(*tile);
     }
 }
 

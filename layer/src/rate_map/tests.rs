@@ -293,6 +293,17 @@ fn a_wide_plan_is_spread_over_the_texels_that_show_it() {
     }
 }
 
+/// The left part of a picture, whose last texel is half of a tile in the plan's middle.
+#[test]
+fn the_last_texel_has_the_rate_of_its_own_tile() {
+    let map = map([96, 16], [16, 16], |x, _| VULKAN_RATES[x as usize]);
+    let image = image([0, 0, 40, 16], [8, 8], 1);
+    let part = Part { rect: [0.0, 0.0, 2.4, 1.0], ..whole(Eyes::Left, Orientation::Upright) };
+    let out = resolved([&map, &EyeMap::default()], &[part], &image, &all_rates());
+    let tile = |index: usize| TILE_BYTES.unary[usize::from(map.texels()[index % 5 / 2])];
+    assert_eq!(out, (0..10).map(|index| all_rates().of_unary(tile(index))).collect::<Vec<_>>());
+}
+
 #[test]
 fn stale_tiles_can_have_the_coarsest_rate() {
     let rates = DeviceRates::new([ShadingRate::R2X2, ShadingRate::R2X1].into_iter());

@@ -512,30 +512,6 @@ fn a_smoothed_saccade_is_one_and_is_followed_to_its_end() {
 }
 
 #[test]
-fn a_noisy_tracker_is_in_no_saccade_and_follows_nothing_at_rest() {
-    // 0.6 degrees of jitter, which is measured within a second.
-    let mut tracker = GazeTracker::new(GazeSettings::default());
-    let mut false_alarms = 0;
-    let mut bits = 1u32;
-    for number in 0..2000i64 {
-        let mut uniform = || {
-            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (bits >> 8) as f32 / (1 << 24) as f32 - 0.5
-        };
-        // Four together are close to normal, of variance 1/3.
-        let jitter = (uniform() + uniform() + uniform() + uniform()) * 0.6 * 3f32.sqrt();
-        let time = 1000 * MS + number * 8 * MS;
-        tracker.push_at(&sample(jitter, time), time + LATENCY);
-        let state = tracker.state(time + LATENCY);
-        if number > 200 {
-            false_alarms += u32::from(matches!(state.phase, GazePhase::Saccade | GazePhase::Pursuit));
-            assert!(eccentricity(state.directions[0], yaw(0.0)).to_degrees() < 1.2, "{state:?}");
-        }
-    }
-    assert!(false_alarms < 18, "{false_alarms} of 1800 samples");
-}
-
-#[test]
 fn every_reason_reads_differently() {
     let texts: std::collections::BTreeSet<String> =
         Rejection::ALL.iter().map(|reason| reason.to_string()).collect();

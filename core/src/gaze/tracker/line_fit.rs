@@ -71,7 +71,8 @@ impl LineFit {
         for ((direction, turn), (seen, expected)) in eyes.zip(sample.directions.into_iter().zip(expected)) {
             let missed = seen - expected;
             *direction = (expected + missed * position).normalize_or(seen);
-            let turned = *turn + missed * (slope / seconds);
+            // Between two samples that come at almost the same time, noise is no turn.
+            let turned = *turn + missed * (slope / seconds.max(self.interval_s));
             *turn = turned - *direction * turned.dot(*direction);
         }
         self.newest.time_ns = sample.time_ns;

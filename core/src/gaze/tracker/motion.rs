@@ -40,6 +40,9 @@ const NOISE_GAIN: f32 = 0.03;
 /// Least samples in a line before the next one measures noise.
 const NOISE_COUNT: u16 = 6;
 
+/// The same where the line remembers fewer, as below 40 Hz: with three samples, a pursuit that bends is noise.
+const LEAST_NOISE_COUNT: u16 = 4;
+
 /// Samples that are kept beside the line, in which a saccade may have begun unseen.
 const EARLIER: usize = 3;
 
@@ -160,7 +163,7 @@ impl Motion {
                     self.turning = false;
                 }
                 None => {
-                    self.note_noise(missed_deg);
+                    self.note_noise(settings, missed_deg);
                     self.earlier.rotate_right(1);
                     self.earlier[0] = Some((self.line, sample));
                     self.line.add(sample, self.memory(settings));
@@ -357,8 +360,8 @@ impl Motion {
         self.interval_s += 0.2 * (seconds - self.interval_s);
     }
 
-    fn note_noise(&mut self, missed_deg: f32) {
-        if self.line.count() < NOISE_COUNT {
+    fn note_noise(&mut self, settings: &GazeSettings, missed_deg: f32) {
+        if self.line.count() < NOISE_COUNT.min(self.memory(settings).max(LEAST_NOISE_COUNT)) {
             return;
         }
         // Along two axes, and where it was expected is off as well: the end of a line by 4 / n, a mean by 1 / n.
