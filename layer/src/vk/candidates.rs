@@ -147,11 +147,12 @@ impl Candidates {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::backend::Upload;
 
-    struct NoMap;
+    /// A map without content.
+    pub struct NoMap;
 
     impl RateMap for NoMap {
         fn size(&self) -> MapSize {

@@ -22,8 +22,8 @@ impl Random {
     }
 }
 
-/// Shares of the states in which the tracker takes resting eyes for moving ones, and the greatest error of the gaze, degrees: 2000 samples of
-/// `noise_deg`, each `step_ms`, the first 200 of which do not count.
+/// Share of false saccades and pursuits of resting eyes, and the greatest error of the gaze, degrees: 2000 samples with noise of `noise_deg`, one
+/// each `step_ms`, without the first 200.
 fn at_rest(noise_deg: f32, step_ms: i64) -> (f32, f32) {
     let (mut tracker, mut random) = (GazeTracker::new(GazeSettings::default()), Random(1));
     let (mut alarms, mut worst_deg) = (0, 0.0f32);
@@ -46,7 +46,7 @@ fn a_noisy_tracker_is_in_no_saccade_and_follows_nothing_at_rest() {
     assert!(alarms < 0.01 && worst_deg < 1.2, "{alarms}, {worst_deg} degrees");
 }
 
-/// The samples are those of frames: a game at half the rate of its display has few.
+/// Each frame takes one sample: a game at half the rate of its display has few.
 #[test]
 fn noise_is_measured_at_low_rates_too() {
     for step_ms in [28, 33] {

@@ -29,9 +29,9 @@ const SHADING: Parts =
 
 /// The pipeline with the additions that make it obey rate attachments, and its rate.
 ///
-/// `effects` returns the effects of a stage's fragment shader, `linked` the rate of a library. In a render pass that `is_left_alone` the rate
-/// attachment is the application's own, or there is none: the rate stays as it is, and so does the default in dynamic rendering if the pipeline
-/// has the flag for an attachment of the application's own.
+/// `effects` returns the effects of a stage's fragment shader, `linked` the rate of a library. A render pass that `is_left_alone` has
+/// no rate attachment of ours: the rate stays unchanged. So does the default rate in dynamic rendering, if the application sets the flag for an
+/// attachment of its own.
 ///
 /// # Safety
 ///

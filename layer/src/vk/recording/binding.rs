@@ -99,8 +99,7 @@ unsafe fn set_rate_of(known: &Buffer, handle: vk::CommandBuffer, pipeline: vk::P
     }
 }
 
-/// Sets the rate for a pass that is about to begin, where that is another one than is set. `is_left_alone`: whether the pass has no rate
-/// attachment of ours.
+/// Sets the rate for the next pass, if it differs from the rate in force. `is_left_alone`: whether the pass has no rate attachment of ours.
 ///
 /// # Safety
 ///

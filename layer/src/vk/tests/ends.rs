@@ -1,8 +1,8 @@
 //! State that goes when a swapchain or a device ends.
 
 use super::*;
-use crate::backend::{MapSize, RateMap, Upload};
 use crate::pass_detection::Target;
+use crate::vk::candidates::tests::NoMap;
 use std::cell::RefCell;
 
 thread_local! {
@@ -32,16 +32,6 @@ fn callbacks_run_before_the_device_is_destroyed() {
     destroy_device(asked);
     assert_eq!(ENDED.take(), [(asked.as_raw(), true)]);
     destroy_instance(instance);
-}
-
-struct NoMap;
-
-impl RateMap for NoMap {
-    fn size(&self) -> MapSize {
-        MapSize { texel: [16, 16], tiles: [1, 1], layers: 1 }
-    }
-
-    unsafe fn record_upload(&self, _: Upload) {}
 }
 
 #[test]

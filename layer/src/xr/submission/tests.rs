@@ -69,7 +69,7 @@ fn read(layers: &[*const Header]) -> Submission {
     unsafe { Submission::read(&info) }
 }
 
-/// As Chromium submits what it draws with OpenGL.
+/// Chromium submits its OpenGL pictures so.
 #[test]
 fn flipped_layers_are_upside_down() {
     let mut upside_down = view(1, None);

@@ -105,17 +105,19 @@ fn gaze_is_located_once_a_frame_with_the_first_views() {
     assert_eq!(GAZE_LOCATED.get(), 1);
 }
 
+/// Number of plans that some calls make: each looks once for the gaze.
+fn plans_of(act: &dyn Fn()) -> usize {
+    GAZE_LOCATED.set(0);
+    act();
+    GAZE_LOCATED.get()
+}
+
 #[test]
 fn an_application_that_locates_its_views_elsewhere_is_planned_at_begin() {
     let application = Application::new();
     look(0.0);
     application.settle();
     let views = [application.view(0), application.view(1)];
-    let plans_of = |act: &dyn Fn()| {
-        GAZE_LOCATED.set(0);
-        act();
-        GAZE_LOCATED.get()
-    };
     // The first frame without its views is planned as it ends, those after it as they begin.
     assert_eq!(plans_of(&|| application.begin()), 0);
     assert_eq!(plans_of(&|| application.end(&views, None)), 1);
@@ -144,11 +146,6 @@ fn views_located_ahead_plan_their_frame_at_begin() {
     look(0.0);
     application.settle();
     let views = [application.view(0), application.view(1)];
-    let plans_of = |act: &dyn Fn()| {
-        GAZE_LOCATED.set(0);
-        act();
-        GAZE_LOCATED.get()
-    };
     let end = || application.end(&views, None);
     for _ in 0..3 {
         application.begin();
