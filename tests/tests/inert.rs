@@ -1,8 +1,9 @@
 //! A configuration that asks for nothing leaves an application's Vulkan calls as they are.
 
-use parafovea_test_layers::ShadingRateProfile;
+use parafovea_test_layers::{FaultReport, ShadingRateProfile};
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 12;
@@ -29,6 +30,14 @@ fn run(application: &Application, config: Option<&str>) -> Outcome {
     run.finish().unwrap().expect_frames(FRAMES).unwrap()
 }
 
+/// Calls of the application by name, less those whose count depends on the device's speed: wgpu, which our scene draws
+/// with, makes a command pool for an encoder unless an earlier submission has ended by then and left its own.
+fn steady_calls(report: &FaultReport) -> BTreeMap<&str, u64> {
+    let by_speed = ["vkCreateCommandPool", "vkAllocateCommandBuffers", "vkResetCommandPool"];
+    let calls = report.application.iter().map(|(name, count)| (name.as_str(), *count));
+    calls.filter(|(name, _)| !by_speed.contains(name)).collect()
+}
+
 #[test]
 fn a_configuration_without_work_is_a_pass_through_layer() {
     for application in applications() {
@@ -41,7 +50,7 @@ fn a_configuration_without_work_is_a_pass_through_layer() {
             let with = outcome.faults().unwrap();
             for (with, without) in with.iter().zip(&without) {
                 assert!(with.own.is_empty(), "{name}, {config}: calls of our own: {:?}", with.own);
-                assert_eq!(with.application, without.application, "{name}, {config}");
+                assert_eq!(steady_calls(with), steady_calls(without), "{name}, {config}");
             }
             assert_eq!(with.len(), without.len(), "{name}, {config}");
         }
