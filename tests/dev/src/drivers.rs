@@ -25,10 +25,13 @@ pub fn unpack_release() {
 }
 
 /// Unpacks sid's drivers to `target/drivers/sid`, with its loaders, validation and C library: the newest Mesa, and drivers that releases
-/// leave out. A failure is printed, and is not an error.
+/// leave out. Beside them DXVK for Linux programs, with its window library and a compiler of shaders. A failure is printed, and is not an error.
 fn unpack_sid() {
     let packages = &[
+        "libdxvk-d3d11-0",
         "libopenxr-loader1",
+        "libsdl3-0",
+        "libvkd3d-utils1",
         "libvulkan1",
         "mesa-drm-shim",
         "mesa-vulkan-drivers",

@@ -19,7 +19,13 @@ pub enum Program {
     VulkanInfo,
     /// `parafovea doctor`.
     Doctor,
+    /// Direct3D 11 by DXVK's Linux build, with this way of drawing.
+    Direct3d(&'static str),
 }
+
+/// Ways of drawing of `parafovea-d3d11`.
+const LOOKS: [&str; 7] =
+    ["forward", "tone-mapped", "multisampled", "instanced", "double-wide", "deferred-context", "copied"];
 
 /// Frames of an application; passes are known from the fourth on.
 pub const FRAMES: u64 = 12;
@@ -35,7 +41,8 @@ impl Program {
     pub fn all() -> Vec<Self> {
         let others =
             [Self::VulkanInfo, Self::Doctor, Self::HelloXr("Vulkan"), Self::HelloXr("Vulkan2"), Self::Scene];
-        others.into_iter().chain(STYLES.iter().copied().map(Self::Style)).collect()
+        let looks = LOOKS.into_iter().map(Self::Direct3d);
+        others.into_iter().chain(looks).chain(STYLES.iter().copied().map(Self::Style)).collect()
     }
 
     /// Its name in tables.
@@ -46,6 +53,7 @@ impl Program {
             Self::Scene => "scene".to_owned(),
             Self::VulkanInfo => "vulkaninfo".to_owned(),
             Self::Doctor => "doctor".to_owned(),
+            Self::Direct3d(look) => format!("d3d11 {look}"),
         }
     }
 
@@ -85,10 +93,23 @@ impl Program {
             Self::Scene => Application::ours("parafovea-scene", &["--frames", &frames])?,
             Self::VulkanInfo => Application::of_system("vulkaninfo", &[])?,
             Self::Doctor => Application::ours("parafovea", &["doctor"])?,
+            Self::Direct3d(look) => {
+                let arguments = ["--look", look, "--size", &size, "--frames", &frames];
+                Application::ours("parafovea-d3d11", &arguments)?
+            }
         };
         let has_two = matches!(self, Self::Style(style) if style.needs.queues.are_two());
         let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
         let run = Run::new(&application, &scenario).two_queues(has_two).timeout(LIMIT);
-        Ok(if matches!(self, Self::HelloXr(_)) { run.closing_input() } else { run })
+        Ok(match self {
+            Self::HelloXr(_) => run.closing_input(),
+            // DXVK asks SDL for the screen: a video driver without one. Its log would be a file in the working folder.
+            Self::Direct3d(_) => run
+                .env("DXVK_WSI_DRIVER", "SDL3")
+                .env("SDL_VIDEO_DRIVER", "offscreen")
+                .env("DXVK_LOG_LEVEL", "warn")
+                .env("DXVK_LOG_PATH", "none"),
+            _ => run,
+        })
     }
 }

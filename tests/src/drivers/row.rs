@@ -70,8 +70,15 @@ impl JsonCell {
 }
 
 /// Styles whose runs are the whole product of stacks and modes: the ways to begin a pass and to record draws.
-const WHOLE: [&str; 6] =
-    ["render-pass", "dynamic-rendering", "multiview", "subpasses", "secondaries", "shader-objects"];
+const WHOLE: [&str; 7] = [
+    "descriptor-buffers",
+    "render-pass",
+    "dynamic-rendering",
+    "multiview",
+    "subpasses",
+    "secondaries",
+    "shader-objects",
+];
 
 /// The runs of other styles.
 const SHARE: [Cell; 5] = [

@@ -73,7 +73,11 @@ impl Folder {
         }
         let libraries = libraries(&self.path()?);
         let mut command = Command::new(file_of_prefix(&libraries, "ld-linux-")?);
-        command.arg("--library-path").arg(&libraries).arg("--argv0").arg(program).arg(program);
+        let mut path = libraries.clone().into_os_string();
+        // A folder of its own, which PulseAudio's library names by an absolute path; SDL needs that.
+        path.push(":");
+        path.push(libraries.join("pulseaudio"));
+        command.arg("--library-path").arg(path).arg("--argv0").arg(program).arg(program);
         Ok(command)
     }
 

@@ -45,11 +45,13 @@ impl Target {
 
     /// Reason why a program cannot run on this device; None where it can.
     pub fn refusal(&self, program: Program) -> Option<&'static str> {
-        match self {
-            Self::Shim(device) if device.folder() == Folder::Sid && program.starts_programs() => {
-                Some("programs that it starts have another C library")
-            }
-            _ => None,
+        let is_sid = matches!(self, Self::Shim(device) if device.folder() == Folder::Sid);
+        if is_sid && program.starts_programs() {
+            Some("programs that it starts have another C library")
+        } else if !is_sid && matches!(program, Program::Direct3d(_)) {
+            Some("DXVK for Linux programs is a package of Debian sid")
+        } else {
+            None
         }
     }
 }

@@ -2,11 +2,12 @@
 //! application's commands.
 //!
 //! That work binds descriptor sets, after which offsets are no longer valid (Vulkan specification, vkCmdBindDescriptorSets), of any bind
-//! point as far as its words go. The buffers stay bound.
+//! point as far as its words go. The buffers stay bound by its words, but not for Khronos' validation since 2026, so that they are bound again too.
 
 use super::heaps::BoundHeaps;
 use super::{drawing, draws, with_buffer};
-use crate::abi::copies::slice;
+use crate::abi::copies::{find, slice};
+use crate::abi::pnext::chain;
 use crate::backend::mask::follow_graphics;
 use crate::vk::functions::ArmedTable;
 use ash::vk;
@@ -15,6 +16,10 @@ use smallvec::SmallVec;
 /// Offsets, embedded samplers and heaps of a command buffer.
 #[derive(Debug, Clone, Default)]
 pub struct BufferOffsets {
+    /// The bound buffers, unless the application has bound sets since.
+    buffers: SmallVec<[BoundBuffer; 2]>,
+    /// Whether their bind had a chain of extensions that cannot be repeated.
+    has_more_buffers: bool,
     /// In their order.
     calls: SmallVec<[Call; 4]>,
     /// Whether there are calls that cannot be repeated: those with a chain of extensions.
@@ -22,6 +27,44 @@ pub struct BufferOffsets {
     /// Whether descriptor sets were bound at one bind point after offsets at another, which the specification leaves in doubt.
     is_mixed: bool,
     heaps: BoundHeaps,
+}
+
+/// A bound descriptor buffer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct BoundBuffer {
+    address: vk::DeviceAddress,
+    usage: vk::BufferUsageFlags,
+    /// Replaces `usage`, if there is one (`VkBufferUsageFlags2CreateInfo`).
+    usage2: Option<vk::BufferUsageFlags2KHR>,
+    /// The buffer itself, for push descriptors of some devices.
+    push: Option<vk::Buffer>,
+}
+
+/// `VkBufferUsageFlags2CreateInfo`.
+type Usage2<'a> = vk::BufferUsageFlags2CreateInfoKHR<'a>;
+
+/// `VkDescriptorBufferBindingPushDescriptorBufferHandleEXT`.
+type PushBuffer<'a> = vk::DescriptorBufferBindingPushDescriptorBufferHandleEXT<'a>;
+
+impl BoundBuffer {
+    /// Of the application's structure; `None` if its chain has structures of another kind.
+    ///
+    /// # Safety
+    ///
+    /// The chain is valid.
+    unsafe fn read(info: &vk::DescriptorBufferBindingInfoEXT<'_>) -> Option<Self> {
+        // SAFETY: the chain is valid, as `# Safety` demands.
+        let (usage2, push, all) = unsafe {
+            (find::<Usage2<'_>>(info.p_next), find::<PushBuffer<'_>>(info.p_next), chain(info.p_next).count())
+        };
+        let is_whole = all == usize::from(usage2.is_some()) + usize::from(push.is_some());
+        is_whole.then_some(Self {
+            address: info.address,
+            usage: info.usage,
+            usage2: usage2.map(|found| found.usage),
+            push: push.map(|found| found.buffer),
+        })
+    }
 }
 
 /// One call that set offsets, or bound embedded samplers.
@@ -58,6 +101,7 @@ impl BufferOffsets {
 
     /// Forgets all but heaps: secondary command buffers leave nothing else bound, and heaps only where they have the same ones.
     pub fn forget_offsets(&mut self) {
+        self.forget_buffers();
         self.calls.clear();
         self.has_more = false;
         self.is_mixed = false;
@@ -65,12 +109,16 @@ impl BufferOffsets {
 
     /// Whether nothing of that kind is in use.
     pub fn is_empty(&self) -> bool {
-        self.calls.is_empty() && !self.has_more && self.heaps.is_empty()
+        self.buffers.is_empty()
+            && !self.has_more_buffers
+            && self.calls.is_empty()
+            && !self.has_more
+            && self.heaps.is_empty()
     }
 
     /// Whether [`Self::restore`] sets everything again.
     pub fn is_complete(&self) -> bool {
-        !self.has_more && !self.is_mixed && self.heaps.is_complete()
+        !self.has_more_buffers && !self.has_more && !self.is_mixed && self.heaps.is_complete()
     }
 
     /// The heaps.
@@ -78,16 +126,27 @@ impl BufferOffsets {
         &mut self.heaps
     }
 
-    /// Buffers are bound: offsets into earlier buffers end.
-    fn bind_buffers(&mut self) {
+    /// Buffers are bound, in place of all earlier ones: offsets into those end. `None`: an unknown one.
+    fn bind_buffers(&mut self, buffers: impl Iterator<Item = Option<BoundBuffer>>) {
         self.heaps.clear();
+        self.forget_buffers();
+        for buffer in buffers {
+            self.has_more_buffers |= buffer.is_none();
+            self.buffers.extend(buffer);
+        }
         self.calls.retain(|call| call.kind == CallKind::Samplers);
         self.is_mixed &= !self.calls.is_empty();
+    }
+
+    fn forget_buffers(&mut self) {
+        self.buffers.clear();
+        self.has_more_buffers = false;
     }
 
     /// Sets are bound at a point.
     pub fn bind_sets(&mut self, point: vk::PipelineBindPoint) {
         self.heaps.clear();
+        self.forget_buffers();
         self.calls.retain(|call| call.point != point);
         self.is_mixed = !self.calls.is_empty();
     }
@@ -101,12 +160,44 @@ impl BufferOffsets {
         self.calls.push(new);
     }
 
-    /// Sets them again, with the next layer's functions, as they were set.
+    /// Binds the buffers again, with the next layer's functions.
     ///
     /// # Safety
     ///
-    /// `commands` is recording, these calls were recorded in it, and its descriptor buffers are still bound.
+    /// `commands` is recording, and they were bound in it.
+    unsafe fn restore_buffers(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
+        let Some(bind) = next.cmd_bind_descriptor_buffers.filter(|_| !self.buffers.is_empty()) else {
+            return;
+        };
+        let usages = self.buffers.iter().map(|of| Usage2::default().usage(of.usage2.unwrap_or_default()));
+        let mut usages: SmallVec<[Usage2<'_>; 2]> = usages.collect();
+        let pushed = self.buffers.iter().map(|of| PushBuffer::default().buffer(of.push.unwrap_or_default()));
+        let mut pushed: SmallVec<[PushBuffer<'_>; 2]> = pushed.collect();
+        let mut infos: SmallVec<[vk::DescriptorBufferBindingInfoEXT<'_>; 2]> = SmallVec::new();
+        for (of, (usage2, push)) in self.buffers.iter().zip(usages.iter_mut().zip(&mut pushed)) {
+            let mut info = vk::DescriptorBufferBindingInfoEXT::default().address(of.address).usage(of.usage);
+            if of.usage2.is_some() {
+                usage2.p_next = info.p_next;
+                info.p_next = std::ptr::from_mut(usage2).cast();
+            }
+            if of.push.is_some() {
+                push.p_next = info.p_next;
+                info.p_next = std::ptr::from_mut(push).cast();
+            }
+            infos.push(info);
+        }
+        // SAFETY: the command buffer is recording, as `# Safety` demands; buffers of its earlier calls stay valid while it records.
+        unsafe { bind(commands, infos.len() as u32, infos.as_ptr()) };
+    }
+
+    /// Binds and sets all again, with the next layer's functions, as it was set.
+    ///
+    /// # Safety
+    ///
+    /// `commands` is recording, and these calls were recorded in it.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
+        // SAFETY: the command buffer is recording, and the buffers were bound in it, as `# Safety` demands.
+        unsafe { self.restore_buffers(next, commands) };
         for Call { point, layout, first, kind } in &self.calls {
             // SAFETY: the command buffer is recording, as `# Safety` demands; layouts and offsets of its earlier calls stay valid while it records.
             unsafe {
@@ -196,8 +287,12 @@ pub unsafe extern "system" fn bind(
             next();
             if let Some(known) = known {
                 let points = [vk::PipelineBindPoint::GRAPHICS];
+                // SAFETY: valid usage demands so many structures.
+                let infos = unsafe { slice(infos, count) };
+                // SAFETY: their chains are valid, by valid usage.
+                let buffers = || infos.iter().map(|info| unsafe { BoundBuffer::read(info) });
                 // SAFETY: the command buffer is recording, by valid usage.
-                unsafe { note(&known, handle, &points, BufferOffsets::bind_buffers) };
+                unsafe { note(&known, handle, &points, |kept| kept.bind_buffers(buffers())) };
             }
         }
     );
@@ -342,6 +437,10 @@ mod tests {
         Call { point, layout: vk::PipelineLayout::from_raw(1), first, kind }
     }
 
+    fn buffer(address: vk::DeviceAddress) -> BoundBuffer {
+        BoundBuffer { address, usage: vk::BufferUsageFlags::empty(), usage2: None, push: None }
+    }
+
     #[test]
     fn offsets_are_kept_until_they_are_set_anew_or_other_buffers_are_bound() {
         let mut kept = BufferOffsets::default();
@@ -353,8 +452,8 @@ mod tests {
         kept.set(offsets(GRAPHICS, 0, &[128, 256]));
         let expected = [offsets(COMPUTE, 0, &[0]), samplers.clone(), offsets(GRAPHICS, 0, &[128, 256])];
         assert_eq!(kept.calls.as_slice(), expected);
-        kept.bind_buffers();
-        assert_eq!(kept.calls.as_slice(), [samplers]);
+        kept.bind_buffers([Some(buffer(64))].into_iter());
+        assert_eq!((kept.calls.as_slice(), kept.buffers.as_slice()), (&[samplers][..], &[buffer(64)][..]));
         assert!(kept.is_complete() && !kept.is_empty());
         kept.clear();
         assert!(kept.is_empty());
@@ -372,8 +471,31 @@ mod tests {
         assert!(kept.is_complete() && kept.is_empty());
         kept.set(offsets(COMPUTE, 0, &[0]));
         kept.bind_sets(GRAPHICS);
-        kept.bind_buffers();
+        kept.bind_buffers([Some(buffer(64))].into_iter());
+        assert!(kept.is_complete() && !kept.is_empty(), "buffers alone are bound");
+        kept.bind_sets(GRAPHICS);
         assert!(kept.is_complete() && kept.is_empty(), "nothing is set any more");
+    }
+
+    #[test]
+    fn buffers_with_unknown_extensions_cannot_be_bound_again() {
+        let mut usage2 = Usage2::default().usage(vk::BufferUsageFlags2KHR::SAMPLER_DESCRIPTOR_BUFFER_EXT);
+        let mut push = PushBuffer::default().buffer(vk::Buffer::from_raw(3));
+        let known = vk::DescriptorBufferBindingInfoEXT::default().address(64);
+        let expected = BoundBuffer { usage2: Some(usage2.usage), push: Some(push.buffer), ..buffer(64) };
+        let known = known.push_next(&mut push).push_next(&mut usage2);
+        // SAFETY: the chain is of local structures.
+        assert_eq!(unsafe { BoundBuffer::read(&known) }, Some(expected));
+        let other = vk::MemoryAllocateInfo::default();
+        let unknown =
+            vk::DescriptorBufferBindingInfoEXT { p_next: (&raw const other).cast_mut().cast(), ..known };
+        // SAFETY: as above.
+        let read = unsafe { BoundBuffer::read(&unknown) };
+        let mut kept = BufferOffsets::default();
+        kept.bind_buffers([read].into_iter());
+        assert!(!kept.is_complete() && !kept.is_empty());
+        kept.bind_buffers([Some(buffer(64))].into_iter());
+        assert!(kept.is_complete(), "in their place");
     }
 
     #[test]
@@ -391,7 +513,7 @@ mod tests {
         assert!(!with_data().is_empty() && with_data().is_complete());
         assert!(after(|kept| kept.bind_sets(COMPUTE)));
         assert!(after(|kept| kept.set(offsets(GRAPHICS, 0, &[0]))));
-        assert!(after(BufferOffsets::bind_buffers));
+        assert!(after(|kept| kept.bind_buffers(std::iter::empty())));
         assert!(after(BufferOffsets::clear));
         assert!(!after(BufferOffsets::forget_offsets));
     }
