@@ -25,6 +25,7 @@ mod hooks;
 pub(crate) mod instance;
 mod layouts;
 mod link_table;
+mod memory_model;
 mod negotiate;
 mod newer;
 pub(crate) mod objects;

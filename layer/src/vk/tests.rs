@@ -2,6 +2,7 @@
 
 mod ends;
 mod fake;
+mod memory_model;
 mod passes;
 mod pipelines;
 mod rates;

@@ -16,6 +16,7 @@ use crate::vk::device::{self, Device};
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::{ArmedTable, DeviceTable};
 use crate::vk::instance::{self, Instance, properties};
+use crate::vk::memory_model::with_device_scope;
 use crate::vk::{quirks, recording};
 use ash::vk;
 use std::ffi::CStr;
@@ -109,16 +110,27 @@ struct Below<'a> {
 }
 
 impl Below<'_> {
-    /// Creates the device, with rate attachments where the configuration asks for rates and they are possible, or else
-    /// exactly as the application asks. Returns the enabled parts of rate attachments.
+    /// Creates the device, with rate attachments where the configuration asks for rates and they are possible, with the features of our
+    /// shaders unless the device is to be inert, or else exactly as the application asks. Returns the enabled parts of rate attachments.
     ///
     /// # Safety
     ///
     /// The arguments of vkCreateDevice, with which the next layer's may be called.
     unsafe fn create(&self, arming: Arming) -> (vk::Result, Option<Enabled>) {
+        let mut room = room::<128>();
+        let mut copies = Copies::new(&mut room);
+        // SAFETY: the arguments are valid, as `# Safety` demands.
+        let (scoped, is_scoped) = unsafe {
+            let info = &*self.info;
+            if arming == Arming::Inert {
+                (*info, false)
+            } else {
+                with_device_scope(self.instance, self.physical_device, info, &mut copies)
+            }
+        };
         if arming == Arming::Rates {
             // SAFETY: the arguments are valid, as `# Safety` demands.
-            match unsafe { self.create_with_rates() } {
+            match unsafe { self.create_with_rates(&scoped) } {
                 Ok(enabled) => {
                     tracing::info!("rate attachments: {:?}", enabled.capabilities);
                     quirks::log(&enabled.quirks, &self.instance.engine);
@@ -128,34 +140,51 @@ impl Below<'_> {
             }
         }
         // SAFETY: as above.
+        if is_scoped && unsafe { self.create_amended(&scoped) } == vk::Result::SUCCESS {
+            return (vk::Result::SUCCESS, None);
+        }
+        // The application's own structures are as they were.
+        drop(copies);
+        // SAFETY: as above.
         let result = unsafe { (self.create)(self.physical_device, self.info, self.allocator, self.device) };
         (result, None)
     }
 
+    /// Creates the device with rate attachments beside all that `info` asks for.
+    ///
     /// # Safety
     ///
-    /// As for [`Self::create`].
-    unsafe fn create_with_rates(&self) -> Result<Enabled, NoRates> {
+    /// As for [`Self::create`]; `info` is the application's, amended or not.
+    unsafe fn create_with_rates(&self, info: &vk::DeviceCreateInfo<'_>) -> Result<Enabled, NoRates> {
         let mut room = room::<128>();
         let mut copies = Copies::new(&mut room);
-        let Self { instance, physical_device, info, .. } = *self;
+        let Self { instance, physical_device, .. } = *self;
         // SAFETY: the physical device is a live one of the instance, and `info` valid for the time of the call, as `# Safety` demands.
         let (amended, enabled) = unsafe {
             let version = instance.api_version.min(properties(instance, physical_device).api_version);
-            attachment::create::device(instance, physical_device, version, &*info, &mut copies)?
+            attachment::create::device(instance, physical_device, version, info, &mut copies)?
         };
+        // SAFETY: as above.
+        match unsafe { self.create_amended(&amended) } {
+            vk::Result::SUCCESS => Ok(enabled),
+            refused => Err(NoRates::Refused(refused)),
+        }
+    }
+
+    /// Creates the device as amended. After a failure, the loader's structure and the handle are as they were.
+    ///
+    /// # Safety
+    ///
+    /// As for [`Self::create`].
+    unsafe fn create_amended(&self, amended: &vk::DeviceCreateInfo<'_>) -> vk::Result {
         // SAFETY: the handle and the loader's structure are valid, as `# Safety` demands, and no other code writes to them.
-        let result = unsafe {
-            let before = Saved::of(self.device, chain::device_link(info));
-            let result = (self.create)(physical_device, &amended, self.allocator, self.device);
+        unsafe {
+            let before = Saved::of(self.device, chain::device_link(self.info));
+            let result = (self.create)(self.physical_device, amended, self.allocator, self.device);
             if result != vk::Result::SUCCESS {
                 before.restore();
             }
             result
-        };
-        match result {
-            vk::Result::SUCCESS => Ok(enabled),
-            refused => Err(NoRates::Refused(refused)),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The stand-in's shading rates, and whether it lets them be enabled.
 
 use super::types;
+use crate::abi::copies::find;
 use crate::backend::attachment::commands::SetRate;
 use ash::vk::{self, TaggedStructure};
 use std::cell::{Cell, RefCell};
@@ -15,6 +16,8 @@ thread_local! {
     static ENABLED: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
     static DRIVER: Cell<vk::DriverId> = const { Cell::new(vk::DriverId::from_raw(0)) };
     static NAME: Cell<&'static [u8]> = const { Cell::new(b"") };
+    static HAS_DEVICE_SCOPE: Cell<bool> = const { Cell::new(false) };
+    static MEMORY_MODEL: Cell<[u32; 2]> = const { Cell::new([0; 2]) };
     static FEATURES: Cell<[u32; 3]> = const { Cell::new([0; 3]) };
     static SET: RefCell<Vec<SetRate>> = const { RefCell::new(Vec::new()) };
 }
@@ -41,6 +44,16 @@ pub unsafe extern "system" fn set_rate(
 pub fn capabilities(offered: bool, refused: bool) {
     OFFERED.set(offered);
     REFUSED.set(refused);
+}
+
+/// From now on, devices on this thread have the memory model's device scope, or not.
+pub fn scope(offered: bool) {
+    HAS_DEVICE_SCOPE.set(offered);
+}
+
+/// The memory model and its device scope, as the last device enabled them.
+pub fn memory_model() -> [u32; 2] {
+    MEMORY_MODEL.get()
 }
 
 /// From now on, devices on this thread are of this driver, of version 25.0.7, and have this name.
@@ -111,7 +124,7 @@ pub unsafe fn device_created(info: &vk::DeviceCreateInfo<'_>) -> Result<(), vk::
     assert!(count <= 1, "a structure is doubled");
     // SAFETY: the caller's valid structures.
     unsafe {
-        let features = crate::abi::copies::find::<Features<'_>>(info.p_next);
+        let features = find::<Features<'_>>(info.p_next);
         FEATURES.set(features.map_or([0; 3], |features| {
             [
                 features.pipeline_fragment_shading_rate,
@@ -119,8 +132,25 @@ pub unsafe fn device_created(info: &vk::DeviceCreateInfo<'_>) -> Result<(), vk::
                 features.attachment_fragment_shading_rate,
             ]
         }));
+        MEMORY_MODEL.set(memory_model_of(info));
         note_names(info.pp_enabled_extension_names, info.enabled_extension_count)
     }
+}
+
+/// # Safety
+///
+/// The structure and its chain are valid.
+unsafe fn memory_model_of(info: &vk::DeviceCreateInfo<'_>) -> [u32; 2] {
+    // SAFETY: the caller's valid structures.
+    let (alone, vulkan12) = unsafe {
+        (
+            find::<vk::PhysicalDeviceVulkanMemoryModelFeatures<'_>>(info.p_next),
+            find::<vk::PhysicalDeviceVulkan12Features<'_>>(info.p_next),
+        )
+    };
+    let alone = alone.map(|found| [found.vulkan_memory_model, found.vulkan_memory_model_device_scope]);
+    let in_12 = vulkan12.map(|found| [found.vulkan_memory_model, found.vulkan_memory_model_device_scope]);
+    alone.or(in_12).unwrap_or_default()
 }
 
 /// # Safety
@@ -158,6 +188,12 @@ pub unsafe extern "system" fn features2(
 ) {
     // SAFETY: the layer chains one structure to write to.
     unsafe {
+        let model = (*features).p_next.cast::<vk::PhysicalDeviceVulkanMemoryModelFeatures<'_>>();
+        if (*model).s_type == vk::PhysicalDeviceVulkanMemoryModelFeatures::STRUCTURE_TYPE {
+            (*model).vulkan_memory_model = vk::TRUE;
+            (*model).vulkan_memory_model_device_scope = vk::Bool32::from(HAS_DEVICE_SCOPE.get());
+            return;
+        }
         let own = (*features).p_next.cast::<vk::PhysicalDeviceFragmentShadingRateFeaturesKHR<'_>>();
         (*own).pipeline_fragment_shading_rate = vk::TRUE;
         (*own).attachment_fragment_shading_rate = vk::TRUE;
