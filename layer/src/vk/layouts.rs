@@ -71,12 +71,12 @@ impl Layouts {
         })
     }
 
-    /// Commands were submitted to a queue that leave images, which may be followed, in these layouts.
-    pub fn submitted(&self, queue: Option<QueueId>, layouts: &[(vk::Image, vk::ImageLayout)]) {
+    /// Commands were submitted to a queue that leave images, which may be followed, in these layouts; `None`: as they were.
+    pub fn submitted(&self, queue: Option<QueueId>, layouts: &[(vk::Image, Option<vk::ImageLayout>)]) {
         self.write(|images| {
             for (image, layout) in layouts {
                 let Some(known) = images.iter_mut().find(|known| known.image == *image) else { continue };
-                known.layout = *layout;
+                known.layout = layout.unwrap_or(known.layout);
                 match queue {
                     Some(queue) if known.queues.contains(&queue) => {}
                     Some(queue) => known.queues.push(queue),
@@ -111,7 +111,11 @@ mod tests {
         layouts.follow(ours, true, Layout::COLOR_ATTACHMENT_OPTIMAL);
         assert!(layouts.has_virtual());
         assert_eq!(layouts.of(ours), Some(Layout::COLOR_ATTACHMENT_OPTIMAL));
-        layouts.submitted(None, &[(ours, Layout::SHADER_READ_ONLY_OPTIMAL), (other, Layout::GENERAL)]);
+        layouts.submitted(
+            None,
+            &[(ours, Some(Layout::SHADER_READ_ONLY_OPTIMAL)), (other, Some(Layout::GENERAL))],
+        );
+        layouts.submitted(None, &[(ours, None)]);
         assert_eq!(
             [ours, other].map(|image| layouts.of(image)),
             [Some(Layout::SHADER_READ_ONLY_OPTIMAL), None]
@@ -131,7 +135,7 @@ mod tests {
             [(0, 0), (0, 1), (1, 0)].map(|(family, index)| QueueId { family, index });
         let follow = |image| layouts.follow(image, true, Layout::COLOR_ATTACHMENT_OPTIMAL);
         [one, two, three].into_iter().for_each(follow);
-        let submit = |queue, image| layouts.submitted(queue, &[(image, Layout::COLOR_ATTACHMENT_OPTIMAL)]);
+        let submit = |queue, image| layouts.submitted(queue, &[(image, None)]);
         let beside = || [one, two, three].map(|image| layouts.is_used_on_other_queues(image, session));
         assert_eq!(beside(), [None; 3]);
         [one, two, three].into_iter().for_each(|image| submit(Some(session), image));

@@ -67,8 +67,8 @@ pub struct Recorded {
     pub events: Vec<Event>,
     /// Targets of its passes that may be the scene.
     pub candidates: SmallVec<[Arc<Candidate>; 8]>,
-    /// Swapchain images that the layer reads, with the layouts that commands left them in, in the order of those.
-    pub layouts: SmallVec<[(vk::Image, vk::ImageLayout); 4]>,
+    /// Swapchain images that the layer reads, with the layouts that commands left them in, in the order of those; `None`: as it was.
+    pub layouts: SmallVec<[(vk::Image, Option<vk::ImageLayout>); 4]>,
     /// Timestamps around its work.
     pub timer: Timer,
     /// Bound compute state, where that is followed.

@@ -27,12 +27,8 @@ pub struct RateCapabilities {
 /// Features that the device can combine with shading rates, from `VkPhysicalDeviceFragmentShadingRatePropertiesKHR`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Fragment shaders that write depth or stencil.
-    pub depth_stencil_writes: bool,
     /// Sample masks of pipelines with a bit that is 0.
     pub sample_mask: bool,
-    /// Fragment shaders that read or write the sample mask.
-    pub shader_sample_mask: bool,
     /// Conservative rasterisation.
     pub conservative_rasterization: bool,
     /// Fragment shader interlock.
@@ -242,29 +238,31 @@ impl RateCapabilities {
     }
 }
 
+/// Whether a fragment shader has to run at 1x1, because its effects count for each pixel.
+///
+/// Devices may shade coarsely with written depth and sample masks, but no application expects the result: one depth for a block fails an
+/// EQUAL test against a pre-pass (Direct3D 12 shades such shaders at 1x1: its VRS specification, "Export of Depth and Stencil"), and a
+/// mask made for one pixel covers one pixel of a block (Vulkan specification, "Fragment Shading Rates", coverage index).
+pub fn needs_every_pixel(shader: Effects) -> bool {
+    shader.stores
+        || shader.interlocks
+        || shader.per_sample
+        || shader.writes_integers
+        || shader.discards
+        || shader.writes_depth_stencil
+        || shader.uses_sample_mask
+}
+
 impl Limits {
     fn new(properties: &vk::PhysicalDeviceFragmentShadingRatePropertiesKHR<'_>) -> Self {
         let yes = |limit: vk::Bool32| limit == vk::TRUE;
         Self {
-            depth_stencil_writes: yes(properties.fragment_shading_rate_with_shader_depth_stencil_writes),
             sample_mask: yes(properties.fragment_shading_rate_with_sample_mask),
-            shader_sample_mask: yes(properties.fragment_shading_rate_with_shader_sample_mask),
             conservative_rasterization: yes(properties.fragment_shading_rate_with_conservative_rasterization),
             interlock: yes(properties.fragment_shading_rate_with_fragment_shader_interlock),
             custom_sample_locations: yes(properties.fragment_shading_rate_with_custom_sample_locations),
             samples: properties.max_fragment_shading_rate_rasterization_samples,
         }
-    }
-
-    /// Whether a fragment shader has to run at 1x1: its effects count for each pixel, or the device does not shade coarsely with them.
-    pub fn need_every_pixel(&self, shader: Effects) -> bool {
-        shader.stores
-            || shader.interlocks
-            || shader.per_sample
-            || shader.writes_integers
-            || shader.discards
-            || (shader.writes_depth_stencil && !self.depth_stencil_writes)
-            || (shader.uses_sample_mask && !self.shader_sample_mask)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Graphics pipelines: each may be used with a rate attachment, and obeys it unless it must shade every pixel.
 
-use super::capabilities::RateCapabilities;
+use super::capabilities::{RateCapabilities, needs_every_pixel};
 use crate::abi::copies::{Copies, find, slice};
 use crate::vk::shaders::Effects;
 use crate::vk::shaders::parts::{Parts, dynamic_states, is_discarded, libraries, own_parts};
@@ -304,7 +304,7 @@ unsafe fn must_shade_every_pixel(
         (slice(info.p_stages, info.stage_count), info.p_multisample_state.as_ref(), rasterization)
     };
     let fragment = stages.iter().find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
-    if limits.need_every_pixel(fragment.map_or(Effects::default(), effects)) {
+    if needs_every_pixel(fragment.map_or(Effects::default(), effects)) {
         return true;
     }
     // SAFETY: both are valid, as above.

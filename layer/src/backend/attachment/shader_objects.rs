@@ -5,6 +5,7 @@
 //! fragment shader is enough.
 
 use super::attach::RateAttachments;
+use super::capabilities::needs_every_pixel;
 use super::commands::SetRate;
 use super::pipelines::{list_discarding_draws, may_be_ours};
 use crate::abi::copies::slice;
@@ -64,7 +65,7 @@ impl RateAttachments {
                 // SAFETY: valid usage demands valid structures.
                 let effects = unsafe { effects(info) };
                 list_discarding_draws(effects.discards && effects != Effects::UNKNOWN);
-                self.shader_objects.insert(shader, self.capabilities.limits.need_every_pixel(effects));
+                self.shader_objects.insert(shader, needs_every_pixel(effects));
             }
         }
         result

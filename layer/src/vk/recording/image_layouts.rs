@@ -52,9 +52,7 @@ pub unsafe extern "system" fn pipeline_barrier(
             }
             next();
             if let Some(known) = known.filter(|known| count > 0 && !known.armed.layouts.is_empty()) {
-                known.leave(images.iter().map(|barrier| {
-                    (barrier.image, barrier.new_layout, barrier.subresource_range.aspect_mask)
-                }));
+                known.leave(transitions(images));
             }
         }
     );
@@ -82,21 +80,37 @@ pub unsafe extern "system" fn pipeline_barrier2(
         }
         next();
         if let Some(known) = known.filter(|known| !images.is_empty() && !known.armed.layouts.is_empty()) {
-            known.leave(
-                images.iter().map(|barrier| {
-                    (barrier.image, barrier.new_layout, barrier.subresource_range.aspect_mask)
-                }),
-            );
+            known.leave(transitions2(images));
         }
     });
 }
 
+/// Aspects of an image, and the layout in which a command leaves them; `None`: as they were.
+type Transition = (vk::Image, Option<vk::ImageLayout>, vk::ImageAspectFlags);
+
+/// The new layout of a barrier. With the same layout twice, it changes none, whatever the layout is (Vulkan specification,
+/// VkImageMemoryBarrier2): DXVK leaves images in one and then has such a barrier with another.
+fn new_layout(old: vk::ImageLayout, new: vk::ImageLayout) -> Option<vk::ImageLayout> {
+    (old != new).then_some(new)
+}
+
+/// The transitions by barriers.
+pub(super) fn transitions(images: &[vk::ImageMemoryBarrier<'_>]) -> impl Iterator<Item = Transition> {
+    images
+        .iter()
+        .map(|of| (of.image, new_layout(of.old_layout, of.new_layout), of.subresource_range.aspect_mask))
+}
+
+/// The same of the newer structure.
+pub(super) fn transitions2(images: &[vk::ImageMemoryBarrier2<'_>]) -> impl Iterator<Item = Transition> {
+    images
+        .iter()
+        .map(|of| (of.image, new_layout(of.old_layout, of.new_layout), of.subresource_range.aspect_mask))
+}
+
 impl Buffer {
     /// Notes the layouts that commands leave aspects of followed images in. Stencil alone is not read.
-    pub(super) fn leave(
-        &self,
-        images: impl Iterator<Item = (vk::Image, vk::ImageLayout, vk::ImageAspectFlags)>,
-    ) {
+    pub(super) fn leave(&self, images: impl Iterator<Item = Transition>) {
         let is_followed = |image| self.armed.layouts.of(image).is_some();
         let followed = images
             .filter(|(image, _, aspects)| *aspects != vk::ImageAspectFlags::STENCIL && is_followed(*image));
@@ -114,7 +128,7 @@ impl Buffer {
         let objects = &self.armed.objects;
         self.leave(targets.filter_map(|(target, layout)| {
             let image = objects.image_of(target.image)?.handle;
-            Some((image, layout, vk::ImageAspectFlags::empty()))
+            Some((image, Some(layout), vk::ImageAspectFlags::empty()))
         }));
     }
 }

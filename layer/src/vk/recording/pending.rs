@@ -1,5 +1,6 @@
 //! Fills that wait in a command buffer for a reader, see [`crate::backend::mask::Pending`].
 
+use super::image_layouts::{transitions, transitions2};
 use super::{Buffer, draws, stencil, timed, with_buffer};
 use crate::abi::copies::slice;
 use crate::backend::mask::{Attachments, MaskMap, Pending};
@@ -233,9 +234,7 @@ pub unsafe extern "system" fn wait_events(
             }
             next();
             if let Some(known) = known.filter(|known| count > 0 && !known.armed.layouts.is_empty()) {
-                known.leave(images.iter().map(|barrier| {
-                    (barrier.image, barrier.new_layout, barrier.subresource_range.aspect_mask)
-                }));
+                known.leave(transitions(images));
             }
         }
     );
@@ -268,9 +267,7 @@ pub unsafe extern "system" fn wait_events2(
             for info in infos {
                 // SAFETY: as above.
                 let images = unsafe { slice(info.p_image_memory_barriers, info.image_memory_barrier_count) };
-                known.leave(images.iter().map(|barrier| {
-                    (barrier.image, barrier.new_layout, barrier.subresource_range.aspect_mask)
-                }));
+                known.leave(transitions2(images));
             }
         }
     });

@@ -120,22 +120,6 @@ fn per_pixel_effects_keep_1x1() {
 }
 
 #[test]
-fn supported_effects_do_not_force_1x1() {
-    let stages = fragment_stage();
-    let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages);
-    let mut capabilities = offered([16, 16]);
-    capabilities.limits.depth_stencil_writes = true;
-    capabilities.limits.shader_sample_mask = true;
-    let effects = Effects { writes_depth_stencil: true, uses_sample_mask: true, ..Effects::default() };
-    let mut room = room::<64>();
-    let mut copies = Copies::new(&mut room);
-    // SAFETY: valid structures that outlive the copies.
-    let (more, _) = unsafe { with_rates(&info, &capabilities, |_| effects, |_| None, is_own, &mut copies) };
-    // SAFETY: as above.
-    assert!(unsafe { find::<Rate<'_>>(more.p_next) }.is_some());
-}
-
-#[test]
 fn samples_that_are_shaded_or_too_many_keep_their_rate() {
     let stages = fragment_stage();
     let state = |state: vk::PipelineMultisampleStateCreateInfo<'_>| {
