@@ -9,6 +9,7 @@
 //! without the layer and then in each of its [`Cell`]s, and compares; [`Matrix`] makes many rows, and a table of them.
 
 mod cell;
+pub mod direct3d;
 pub mod kernels;
 mod matrix;
 pub mod profiles;

@@ -1,5 +1,6 @@
 //! The programs that are run on every driver.
 
+use super::direct3d;
 use crate::HarnessError;
 use crate::run::{Application, Run};
 use crate::scenario::{Scenario, ScenarioExt};
@@ -23,10 +24,6 @@ pub enum Program {
     Direct3d(&'static str),
 }
 
-/// Ways of drawing of `parafovea-d3d11`.
-const LOOKS: [&str; 7] =
-    ["forward", "tone-mapped", "multisampled", "instanced", "double-wide", "deferred-context", "copied"];
-
 /// Frames of an application; passes are known from the fourth on.
 pub const FRAMES: u64 = 12;
 
@@ -41,7 +38,7 @@ impl Program {
     pub fn all() -> Vec<Self> {
         let others =
             [Self::VulkanInfo, Self::Doctor, Self::HelloXr("Vulkan"), Self::HelloXr("Vulkan2"), Self::Scene];
-        let looks = LOOKS.into_iter().map(Self::Direct3d);
+        let looks = direct3d::LOOKS.into_iter().map(Self::Direct3d);
         others.into_iter().chain(looks).chain(STYLES.iter().copied().map(Self::Style)).collect()
     }
 
@@ -83,8 +80,10 @@ impl Program {
     /// # Errors
     /// [`HarnessError::NotBuilt`], [`HarnessError::NotInstalled`].
     pub fn run(self) -> Result<Run, HarnessError> {
+        let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
         let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
         let application = match self {
+            Self::Direct3d(look) => return Ok(direct3d::run(look, SIZE, &scenario)?.timeout(LIMIT)),
             Self::Style(style) => {
                 let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
                 Application::ours("parafovea-zoo", &arguments)?
@@ -93,23 +92,9 @@ impl Program {
             Self::Scene => Application::ours("parafovea-scene", &["--frames", &frames])?,
             Self::VulkanInfo => Application::of_system("vulkaninfo", &[])?,
             Self::Doctor => Application::ours("parafovea", &["doctor"])?,
-            Self::Direct3d(look) => {
-                let arguments = ["--look", look, "--size", &size, "--frames", &frames];
-                Application::ours("parafovea-d3d11", &arguments)?
-            }
         };
         let has_two = matches!(self, Self::Style(style) if style.needs.queues.are_two());
-        let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
         let run = Run::new(&application, &scenario).two_queues(has_two).timeout(LIMIT);
-        Ok(match self {
-            Self::HelloXr(_) => run.closing_input(),
-            // DXVK asks SDL for the screen: a video driver without one. Its log would be a file in the working folder.
-            Self::Direct3d(_) => run
-                .env("DXVK_WSI_DRIVER", "SDL3")
-                .env("SDL_VIDEO_DRIVER", "offscreen")
-                .env("DXVK_LOG_LEVEL", "warn")
-                .env("DXVK_LOG_PATH", "none"),
-            _ => run,
-        })
+        Ok(if matches!(self, Self::HelloXr(_)) { run.closing_input() } else { run })
     }
 }
