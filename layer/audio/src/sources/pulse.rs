@@ -8,6 +8,7 @@
 mod connection;
 mod output;
 mod place;
+mod volume;
 
 pub use connection::Fault;
 
@@ -44,8 +45,16 @@ pub fn listen(shared: &Shared) -> Result<(), Fault> {
     let mut connection = Connection::open(&path, place::cookie(), PATIENCE)?;
     let mask = SubscriptionMask::SINK | SubscriptionMask::SERVER;
     connection.send(&Command::Subscribe(mask))?;
-    let mut listener =
-        Listener { shared, connection, asked: None, is_stale: true, looked: Instant::now(), stream: None };
+    let mut listener = Listener {
+        shared,
+        connection,
+        is_pipewire: false,
+        asked: None,
+        is_stale: true,
+        looked: Instant::now(),
+        gain: 1.0,
+        stream: None,
+    };
     while !shared.is_stopped() {
         listener.step()?;
     }
@@ -56,11 +65,14 @@ pub fn listen(shared: &Shared) -> Result<(), Fault> {
 struct Listener<'a> {
     shared: &'a Shared,
     connection: Connection,
+    is_pipewire: bool,
     /// The question that the server has yet to answer; one at a time.
     asked: Option<Asked>,
     /// The server's state may differ from its last answer.
     is_stale: bool,
     looked: Instant,
+    /// Factor for samples ([`volume::gain`]).
+    gain: f32,
     stream: Option<Stream>,
 }
 
@@ -118,13 +130,16 @@ impl Listener<'_> {
                 self.is_stale = true;
                 self.nothing_to_hear("the server moved the stream to another device")
             }
-            Some(ServerMessage::Server(info)) => match info.default_sink_name {
-                Some(name) => {
-                    let question = GetSinkInfo { index: None, name: Some(name) };
-                    self.send(&Command::GetSinkInfo(question), Question::Output)
+            Some(ServerMessage::Server(info)) => {
+                self.is_pipewire = volume::is_pipewire(&info);
+                match info.default_sink_name {
+                    Some(name) => {
+                        let question = GetSinkInfo { index: None, name: Some(name) };
+                        self.send(&Command::GetSinkInfo(question), Question::Output)
+                    }
+                    None => self.nothing_to_hear("the server has no output"),
                 }
-                None => self.nothing_to_hear("the server has no output"),
-            },
+            }
             Some(ServerMessage::Output(info)) => self.listen_to(&info),
             Some(ServerMessage::Recording(output, reply)) => {
                 self.shared.messages.say(format!("capturing {output}"));
@@ -177,7 +192,7 @@ impl Listener<'_> {
             None => Ok(None),
             Some(Message::Samples { channel, bytes }) => {
                 if let Some(stream) = self.stream.as_mut().filter(|stream| stream.channel == channel) {
-                    stream.writer.write_f32_le(bytes);
+                    stream.writer.write_f32_le(bytes, self.gain);
                 }
                 Ok(None)
             }
@@ -204,7 +219,8 @@ impl Listener<'_> {
         let Some(output) = Output::of(info) else {
             return self.nothing_to_hear("the output has no monitor");
         };
-        self.shared.set_muted(output::is_muted(info));
+        self.shared.set_muted(volume::is_muted(info));
+        self.gain = volume::gain(info, self.is_pipewire);
         if self.stream.as_ref().is_some_and(|stream| stream.output == output) {
             return Ok(());
         }

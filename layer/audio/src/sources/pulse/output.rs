@@ -8,7 +8,7 @@ use pulseaudio::protocol::ChannelPosition::{
 use pulseaudio::protocol::stream::{BufferAttr, StreamFlags};
 use pulseaudio::protocol::{
     ChannelMap, ChannelPosition, ChannelVolume, Command, Prop, Props, RecordStreamParams, SampleFormat,
-    SampleSpec, SinkInfo, Volume,
+    SampleSpec, SinkInfo,
 };
 use std::fmt;
 
@@ -36,12 +36,6 @@ impl fmt::Display for Output {
         let Self { monitor_name, description, .. } = self;
         write!(f, "the output \"{description}\" ({monitor_name}, {sample_rate_hz} Hz, {channels} channels)")
     }
-}
-
-/// Whether this output is muted, or the volume of each channel is zero.
-pub fn is_muted(info: &SinkInfo) -> bool {
-    let volumes = info.cvolume.channels();
-    info.muted || (!volumes.is_empty() && volumes.iter().all(|volume| *volume == Volume::MUTED))
 }
 
 impl Output {
@@ -146,23 +140,6 @@ mod tests {
     fn every_number_of_channels_has_as_many_places() {
         for channels in 1..=MAX_CHANNELS {
             assert_eq!(positions(channels).len(), channels as usize);
-        }
-    }
-
-    #[test]
-    fn muted_and_without_volume_are_silence() {
-        let volumes = |muted: [bool; 2]| {
-            let mut volumes = ChannelVolume::empty();
-            muted.iter().for_each(|muted| volumes.push(if *muted { Volume::MUTED } else { Volume::NORM }));
-            volumes
-        };
-        for (muted, volumes, expected) in [
-            (false, volumes([false, false]), false),
-            (true, volumes([false, false]), true),
-            (false, volumes([true, false]), false),
-            (false, volumes([true, true]), true),
-        ] {
-            assert_eq!(is_muted(&SinkInfo { muted, cvolume: volumes, ..info() }), expected);
         }
     }
 }
