@@ -66,6 +66,8 @@ impl Output {
         let mut props = Props::new();
         props.set(Prop::ApplicationName, c"Parafovea");
         props.set(Prop::MediaName, c"loudness and pitch");
+        // Plasma shows its icon for microphones in use unless a stream is virtual.
+        props.set_bytes(c"node.virtual", c"true".to_bytes_with_nul());
         Command::CreateRecordStream(RecordStreamParams {
             sample_spec: SampleSpec {
                 format: SampleFormat::Float32Le,
@@ -130,6 +132,7 @@ mod tests {
         let Command::CreateRecordStream(record) = output.record() else { panic!("no stream") };
         assert_eq!((record.source_index, record.sample_spec.channels), (Some(3), 6));
         assert!(record.flags.no_move, "an output that goes away must not lead to a microphone");
+        assert_eq!(record.props.get_bytes(c"node.virtual"), Some(&b"true\0"[..]), "no icon of a microphone");
         assert_eq!(record.buffer_attr.fragment_size, 192_000 / 25 * 6 * 4);
         let wide = SampleSpec { channels: 12, ..info().sample_spec };
         assert_eq!(Output::of(&SinkInfo { sample_spec: wide, ..info() }).unwrap().format.channels, 2);
