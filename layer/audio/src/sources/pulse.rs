@@ -6,8 +6,8 @@
 //! itself, one thread, and nothing that waits longer than a moment.
 
 mod connection;
+mod cookie;
 mod output;
-mod place;
 mod volume;
 
 pub use connection::Fault;
@@ -16,9 +16,11 @@ use crate::ring::Writer;
 use crate::shared::Shared;
 use connection::{Connection, Event, Message};
 use output::Output;
+use parafovea_manifest::sound_server;
 use pulseaudio::protocol::{
     Command, CreateRecordStreamReply, GetSinkInfo, PulseError, ServerInfo, SinkInfo, SubscriptionMask,
 };
+use std::env::var_os;
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
@@ -33,7 +35,7 @@ const SETTLE: Duration = Duration::from_millis(20);
 
 /// Whether a server is running. (A socket may be left by one that has ended.)
 pub fn is_there() -> bool {
-    place::socket().is_some_and(|path| UnixStream::connect(path).is_ok())
+    sound_server::socket(|name| var_os(name)).is_ok_and(|path| UnixStream::connect(path).is_ok())
 }
 
 /// Listens until the capture ends.
@@ -41,8 +43,9 @@ pub fn is_there() -> bool {
 /// # Errors
 /// There is no server, or it ended, or does not answer.
 pub fn listen(shared: &Shared) -> Result<(), Fault> {
-    let path = place::socket().ok_or(Fault::NoServer)?;
-    let mut connection = Connection::open(&path, place::cookie(), PATIENCE)?;
+    let path = sound_server::socket(|name| var_os(name))?;
+    let cookie = cookie::read(&sound_server::cookie_files(|name| var_os(name)));
+    let mut connection = Connection::open(&path, cookie, PATIENCE)?;
     let mask = SubscriptionMask::SINK | SubscriptionMask::SERVER;
     connection.send(&Command::Subscribe(mask))?;
     let mut listener = Listener {
