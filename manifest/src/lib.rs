@@ -13,4 +13,5 @@ pub mod options;
 pub mod paths;
 pub mod private_file;
 pub mod quirks;
+pub mod sound_server;
 pub mod status;

@@ -69,6 +69,11 @@ impl Environment {
         Self::new(elevated, |name| std::env::var_os(name))
     }
 
+    /// `$HOME`.
+    pub fn home(&self) -> Option<&Path> {
+        self.home.as_deref()
+    }
+
     /// The file that `PARAFOVEA_CONFIG` names.
     pub fn config_file(&self) -> Option<&Path> {
         self.config_file.as_deref()

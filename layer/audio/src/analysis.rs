@@ -221,7 +221,7 @@ mod tests {
         let mut serial = 0;
         analyse(31, &shared, &mut stream, &mut writer, &mut serial);
         let bytes: Vec<u8> = tone(HOP).flat_map(f32::to_le_bytes).collect();
-        let callback = allocation_counter::measure(|| writer.write_f32_le(&bytes));
+        let callback = allocation_counter::measure(|| writer.write_f32_le(&bytes, 0.5));
         assert_eq!(callback.count_total, 0);
         let hearing = allocation_counter::measure(|| stream.analyse(&shared, &mut serial));
         assert_eq!(hearing.count_total, 0);

@@ -44,10 +44,10 @@ impl Writer {
         }
     }
 
-    /// Writes samples as they come from a server: little-endian floats. Bytes beyond the last whole one are left out.
-    pub fn write_f32_le(&mut self, bytes: &[u8]) {
+    /// Writes samples as they come from a server: little-endian floats, multiplied by `gain`. Bytes beyond the last whole one are left out.
+    pub fn write_f32_le(&mut self, bytes: &[u8], gain: f32) {
         let (samples, _) = bytes.as_chunks::<4>();
-        self.write(samples.iter().map(|sample| f32::from_le_bytes(*sample)));
+        self.write(samples.iter().map(|sample| gain * f32::from_le_bytes(*sample)));
     }
 }
 
@@ -91,8 +91,12 @@ mod tests {
 
         let bytes: Vec<u8> = samples[..30].iter().flat_map(|sample| sample.to_le_bytes()).collect();
         read.clear();
-        writer.write_f32_le(&bytes[..119]);
+        writer.write_f32_le(&bytes[..119], 1.0);
         reader.read(|piece| read.extend_from_slice(piece));
         assert_eq!(read, samples[..29], "around the end of the ring, without the broken sample");
+        read.clear();
+        writer.write_f32_le(&bytes[..12], 0.5);
+        reader.read(|piece| read.extend_from_slice(piece));
+        assert_eq!(read, [0.0, 0.5, 1.0]);
     }
 }

@@ -6,8 +6,10 @@ use super::{Finding, Surroundings};
 use crate::install::{AUDIO_LIBRARY_NAME, is_audio};
 use crate::json::Half;
 use crate::options::AudioSource;
+use crate::sound_server::{NoSocket, socket};
+use std::ffi::OsStr;
 use std::fs;
-use std::path::PathBuf;
+use std::os::unix::net::UnixStream;
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let Some(config) = in_force(surroundings).1 else { return Vec::new() };
@@ -49,27 +51,26 @@ fn alsa(surroundings: &Surroundings) -> Option<Finding> {
     })
 }
 
-/// The socket of PulseAudio, or of PipeWire in its place.
+/// A connection to PulseAudio, or to PipeWire in its place, as the capture makes it.
 fn server(surroundings: &Surroundings) -> Finding {
-    let named = surroundings.variable("PULSE_SERVER").map(|server| server.to_string_lossy().into_owned());
-    let socket = match &named {
-        Some(server) => match server.strip_prefix("unix:") {
-            Some(path) => PathBuf::from(path),
-            None if server.starts_with('/') => PathBuf::from(server),
-            None => return Finding::good("sound", format!("sound is captured from {server} (PULSE_SERVER)")),
-        },
-        None => match surroundings.variable("XDG_RUNTIME_DIR") {
-            Some(folder) => PathBuf::from(folder).join("pulse/native"),
-            None => PathBuf::from("pulse/native"),
-        },
+    let means = "Without an ALSA loopback card, sound cannot be captured and has no effect.";
+    let socket = match socket(|name| surroundings.set(name).map(OsStr::to_owned)) {
+        Ok(socket) => socket,
+        Err(error) => {
+            let advice = match error {
+                NoSocket::Remote => "unset PULSE_SERVER, or name a socket of this computer: unix:/PATH",
+                NoSocket::NoFolder => "log in to a desktop session, or set XDG_RUNTIME_DIR to its folder",
+            };
+            return Finding::warning("no-sound-server", error.to_string(), means).advise(advice);
+        }
     };
-    if fs::metadata(&socket).is_ok() {
-        return Finding::good("sound", format!("sound is captured from {}", socket.display()));
+    match UnixStream::connect(&socket) {
+        Ok(_) => Finding::good("sound", format!("sound is captured from {}", socket.display())),
+        Err(error) => Finding::warning(
+            "no-sound-server",
+            format!("no PulseAudio or PipeWire server at {}: {error}", socket.display()),
+            means,
+        )
+        .advise("start it: systemctl --user start pipewire-pulse, or pulseaudio"),
     }
-    Finding::warning(
-        "no-sound-server",
-        format!("no PulseAudio or PipeWire server: no socket {}", socket.display()),
-        "Without an ALSA loopback card, sound cannot be captured and has no effect.",
-    )
-    .advise("start it: systemctl --user start pipewire-pulse, or pulseaudio")
 }

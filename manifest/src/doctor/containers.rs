@@ -13,7 +13,7 @@ use std::path::Path;
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let Some(home) = surroundings.home() else { return findings };
+    let Some(home) = surroundings.environment.home() else { return findings };
     if surroundings.system("/.flatpak-info").exists() {
         findings.push(
             Finding::warning(

@@ -163,7 +163,8 @@ fn of_manifest(
 /// Manifests of the layer that both loaders find, outside of `data` (`$XDG_DATA_HOME`): with an installation in `data` as well, the layer would be
 /// loaded twice. None for the home of a Flatpak, which has no view of the others.
 pub fn installed_elsewhere(surroundings: &Surroundings, data: &Path) -> Vec<PathBuf> {
-    let is_flatpak = surroundings.home().is_some_and(|home| data.starts_with(home.join(FLATPAK_HOMES)));
+    let is_flatpak =
+        surroundings.environment.home().is_some_and(|home| data.starts_with(home.join(FLATPAK_HOMES)));
     if is_flatpak { Vec::new() } else { elsewhere(&Layers::find(surroundings), data) }
 }
 

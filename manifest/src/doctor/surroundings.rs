@@ -72,11 +72,6 @@ impl Surroundings {
         format!("sudo {program} {arguments}")
     }
 
-    /// `$HOME`.
-    pub(super) fn home(&self) -> Option<&Path> {
-        self.variable("HOME").map(Path::new).filter(|home| home.is_absolute())
-    }
-
     /// A shared library by its name, as the dynamic linker would probably find it. The linker's own cache is not read: of
     /// unusual places only `LD_LIBRARY_PATH` is known.
     pub(super) fn library(&self, name: &str) -> Option<PathBuf> {

@@ -4,16 +4,20 @@ use crate::json::{Activation, Half};
 use std::ffi::OsString;
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{PermissionsExt, symlink};
+use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 mod faults;
+mod sound;
 
 /// A machine on which everything is as it should be, until a fault is injected.
 struct Machine {
     folder: TempDir,
     variables: Vec<(&'static str, OsString)>,
     probed: Probed,
+    /// The sound server, while it runs.
+    sound: Option<UnixListener>,
 }
 
 impl Machine {
@@ -22,7 +26,9 @@ impl Machine {
         let root = folder.path().to_owned();
         let variables =
             vec![("HOME", root.join("home").into()), ("XDG_RUNTIME_DIR", root.join("run").into())];
-        let machine = Self { folder, variables, probed: probed() };
+        fs::create_dir_all(root.join("run/pulse")).unwrap();
+        let sound = Some(UnixListener::bind(root.join("run/pulse/native")).unwrap());
+        let machine = Self { folder, variables, probed: probed(), sound };
         machine.put("build/libparafovea.so", &library("1"));
         machine.put(&format!("build/{AUDIO_LIBRARY_NAME}"), "\u{7f}ELF parafovea_audio_get_table\0");
         for library in ["libopenxr_loader.so.1.0.20", "libvulkan.so.1.3.239", "libasound.so.2.0.0"] {
@@ -31,7 +37,6 @@ impl Machine {
         machine
             .put("home/.config/openxr/1/active_runtime.json", &runtime("../../../../usr/lib/libmonado.so"));
         machine.put("usr/lib/libmonado.so", "");
-        machine.put("run/pulse/native", "");
         machine.put("home/.config/parafovea/config.toml", "audio.source = 'system'\n");
         for step in plan_install(&machine.data(), &machine.path("build/libparafovea.so"), false).unwrap() {
             step.apply().unwrap();

@@ -28,7 +28,7 @@ pub fn callback_us(count: usize) -> Result<Vec<f64>> {
     let mut spent = Vec::with_capacity(count);
     for _ in 0..count {
         let before = own_cpu_ns()?;
-        writer.write_f32_le(std::hint::black_box(&bytes));
+        writer.write_f32_le(std::hint::black_box(&bytes), std::hint::black_box(1.0));
         spent.push((own_cpu_ns()? - before) as f64 / 1000.0);
         reader.read(|samples| _ = std::hint::black_box(samples));
     }

@@ -1,7 +1,7 @@
 //! PipeWire with pipewire-pulse in place of PulseAudio: its own folder, its own socket, the output that it has where there is
 //! no sound card.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use parafovea_trial::watch;
 use std::fs::File;
 use std::os::unix::net::UnixStream;
@@ -60,6 +60,31 @@ impl PipeWire {
         self.path("pulse/native")
     }
 
+    /// Plugs an output in that leads nowhere, whose monitor does not contain its volume, and makes it the default.
+    ///
+    /// # Errors
+    /// PipeWire refuses, or a program is not installed.
+    pub fn plug(&mut self, name: &str) -> Result<()> {
+        let properties = format!(
+            "{{ factory.name=support.null-audio-sink node.name={name} media.class=Audio/Sink object.linger=true \
+             audio.position=[FL FR] monitor.channel-volumes=false }}"
+        );
+        self.ask("pw-cli", &["create-node", "adapter", &properties])?;
+        self.wait("the output", |server| server.ask("pactl", &["set-default-sink", name]).is_ok())?;
+        let is_default = |server: &Self| {
+            server.ask("pactl", &["get-default-sink"]).is_ok_and(|answer| answer.trim() == name)
+        };
+        self.wait("that output as the default", is_default)
+    }
+
+    /// Sets the volume of an output, percent.
+    ///
+    /// # Errors
+    /// There is no such output.
+    pub fn set_volume(&self, name: &str, percent: u32) -> Result<()> {
+        self.ask("pactl", &["set-sink-volume", name, &format!("{percent}%")]).map(drop)
+    }
+
     /// Kills one of the programs; none that does not run.
     pub fn kill(&mut self, program: &str) {
         for (_, process) in self.processes.iter_mut().filter(|(name, _)| *name == program) {
@@ -114,9 +139,19 @@ impl PipeWire {
 
     /// Whether WirePlumber has chosen the default output.
     fn has_output(&self) -> bool {
-        let mut asks = self.command("pw-metadata");
-        let answer = watch(asks.args(["-n", "default", "0", OUTPUT_KEY]), ANSWER_LIMIT);
-        answer.is_ok_and(|answer| answer.output.contains(OUTPUT_KEY))
+        let answer = self.ask("pw-metadata", &["-n", "default", "0", OUTPUT_KEY]);
+        answer.is_ok_and(|answer| answer.contains(OUTPUT_KEY))
+    }
+
+    /// The answer of a program that asks the server.
+    ///
+    /// # Errors
+    /// The program is not installed, or fails.
+    fn ask(&self, program: &str, arguments: &[&str]) -> Result<String> {
+        let mut command = self.command(program);
+        let answer = watch(command.args(arguments), ANSWER_LIMIT).with_context(|| program.to_owned())?;
+        ensure!(answer.status.is_some_and(|status| status.success()), "{program}: {}", answer.output);
+        Ok(answer.output)
     }
 }
 

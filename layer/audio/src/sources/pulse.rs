@@ -6,8 +6,9 @@
 //! itself, one thread, and nothing that waits longer than a moment.
 
 mod connection;
+mod cookie;
 mod output;
-mod place;
+mod volume;
 
 pub use connection::Fault;
 
@@ -15,9 +16,11 @@ use crate::ring::Writer;
 use crate::shared::Shared;
 use connection::{Connection, Event, Message};
 use output::Output;
+use parafovea_manifest::sound_server;
 use pulseaudio::protocol::{
     Command, CreateRecordStreamReply, GetSinkInfo, PulseError, ServerInfo, SinkInfo, SubscriptionMask,
 };
+use std::env::var_os;
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
@@ -32,7 +35,7 @@ const SETTLE: Duration = Duration::from_millis(20);
 
 /// Whether a server is running. (A socket may be left by one that has ended.)
 pub fn is_there() -> bool {
-    place::socket().is_some_and(|path| UnixStream::connect(path).is_ok())
+    sound_server::socket(|name| var_os(name)).is_ok_and(|path| UnixStream::connect(path).is_ok())
 }
 
 /// Listens until the capture ends.
@@ -40,12 +43,21 @@ pub fn is_there() -> bool {
 /// # Errors
 /// There is no server, or it ended, or does not answer.
 pub fn listen(shared: &Shared) -> Result<(), Fault> {
-    let path = place::socket().ok_or(Fault::NoServer)?;
-    let mut connection = Connection::open(&path, place::cookie(), PATIENCE)?;
+    let path = sound_server::socket(|name| var_os(name))?;
+    let cookie = cookie::read(&sound_server::cookie_files(|name| var_os(name)));
+    let mut connection = Connection::open(&path, cookie, PATIENCE)?;
     let mask = SubscriptionMask::SINK | SubscriptionMask::SERVER;
     connection.send(&Command::Subscribe(mask))?;
-    let mut listener =
-        Listener { shared, connection, asked: None, is_stale: true, looked: Instant::now(), stream: None };
+    let mut listener = Listener {
+        shared,
+        connection,
+        is_pipewire: false,
+        asked: None,
+        is_stale: true,
+        looked: Instant::now(),
+        gain: 1.0,
+        stream: None,
+    };
     while !shared.is_stopped() {
         listener.step()?;
     }
@@ -56,11 +68,14 @@ pub fn listen(shared: &Shared) -> Result<(), Fault> {
 struct Listener<'a> {
     shared: &'a Shared,
     connection: Connection,
+    is_pipewire: bool,
     /// The question that the server has yet to answer; one at a time.
     asked: Option<Asked>,
     /// The server's state may differ from its last answer.
     is_stale: bool,
     looked: Instant,
+    /// Factor for samples ([`volume::gain`]).
+    gain: f32,
     stream: Option<Stream>,
 }
 
@@ -118,13 +133,16 @@ impl Listener<'_> {
                 self.is_stale = true;
                 self.nothing_to_hear("the server moved the stream to another device")
             }
-            Some(ServerMessage::Server(info)) => match info.default_sink_name {
-                Some(name) => {
-                    let question = GetSinkInfo { index: None, name: Some(name) };
-                    self.send(&Command::GetSinkInfo(question), Question::Output)
+            Some(ServerMessage::Server(info)) => {
+                self.is_pipewire = volume::is_pipewire(&info);
+                match info.default_sink_name {
+                    Some(name) => {
+                        let question = GetSinkInfo { index: None, name: Some(name) };
+                        self.send(&Command::GetSinkInfo(question), Question::Output)
+                    }
+                    None => self.nothing_to_hear("the server has no output"),
                 }
-                None => self.nothing_to_hear("the server has no output"),
-            },
+            }
             Some(ServerMessage::Output(info)) => self.listen_to(&info),
             Some(ServerMessage::Recording(output, reply)) => {
                 self.shared.messages.say(format!("capturing {output}"));
@@ -177,7 +195,7 @@ impl Listener<'_> {
             None => Ok(None),
             Some(Message::Samples { channel, bytes }) => {
                 if let Some(stream) = self.stream.as_mut().filter(|stream| stream.channel == channel) {
-                    stream.writer.write_f32_le(bytes);
+                    stream.writer.write_f32_le(bytes, self.gain);
                 }
                 Ok(None)
             }
@@ -204,7 +222,8 @@ impl Listener<'_> {
         let Some(output) = Output::of(info) else {
             return self.nothing_to_hear("the output has no monitor");
         };
-        self.shared.set_muted(output::is_muted(info));
+        self.shared.set_muted(volume::is_muted(info));
+        self.gain = volume::gain(info, self.is_pipewire);
         if self.stream.as_ref().is_some_and(|stream| stream.output == output) {
             return Ok(());
         }

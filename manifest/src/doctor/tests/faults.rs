@@ -320,6 +320,14 @@ const FAULTS: &[Fault] = &[
         &["no-sound-server"],
         false,
     ),
+    // Its socket is left.
+    ("a sound server that has ended", |machine| machine.sound = None, &["no-sound-server"], false),
+    (
+        "a sound server on another computer",
+        |machine| machine.set("PULSE_SERVER", "tcp:127.0.0.1"),
+        &["no-sound-server"],
+        false,
+    ),
     (
         "a profile with an error",
         |machine| machine.put("home/.config/parafovea/apps/game.toml", "[chroma]\nmode = 'on'\n"),

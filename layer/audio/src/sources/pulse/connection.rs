@@ -1,5 +1,6 @@
 //! A connection to a sound server, one message at a time; nothing waits longer than a moment, and repeated messages do not allocate.
 
+use parafovea_manifest::sound_server::NoSocket;
 use pulseaudio::protocol::{
     AuthParams, AuthReply, Command, DESCRIPTOR_SIZE, MAX_VERSION, Prop, Props, ProtocolError, PulseError,
     SetClientNameReply, TagStructRead, TagStructReader, read_descriptor, write_command_message,
@@ -25,6 +26,9 @@ const NO_CHANNEL: u32 = u32::MAX;
 /// Reason why a server is not listened to.
 #[derive(Debug, Error)]
 pub enum Fault {
+    /// The environment names none.
+    #[error(transparent)]
+    NoSocket(#[from] NoSocket),
     /// There is none.
     #[error("no PulseAudio or PipeWire server is running")]
     NoServer,
@@ -42,7 +46,7 @@ pub enum Fault {
 impl Fault {
     /// Whether there is no server at all.
     pub fn is_absence(&self) -> bool {
-        matches!(self, Self::NoServer)
+        matches!(self, Self::NoSocket(_) | Self::NoServer)
     }
 }
 
@@ -253,5 +257,8 @@ mod tests {
     fn a_missing_server_gives_no_connection() {
         let fault = Connection::open(Path::new("/nowhere/native"), Vec::new(), Duration::ZERO).err().unwrap();
         assert!(fault.is_absence());
+        let fault = Fault::from(NoSocket::Remote);
+        assert!(fault.is_absence());
+        assert_eq!(fault.to_string(), "PULSE_SERVER names no local socket");
     }
 }
