@@ -50,7 +50,7 @@ Fragment scene_vertex(Vertex vertex)
 float4 scene_pixel(Fragment fragment) : SV_Target
 {
     float3 normal = normalize(fragment.normal);
-    float3 checks = frac(fragment.position * 2);
+    float3 checks = frac(fragment.position);
     float odd = (checks.x < 0.5 ? 1 : 0) + (checks.y < 0.5 ? 1 : 0) + (checks.z < 0.5 ? 1 : 0);
     float shade = odd == 1 || odd == 3 ? 1.0 : 0.45;
     float light = 0.35 + 0.65 * saturate(dot(normal, float3(0.36, 0.8, 0.48)));

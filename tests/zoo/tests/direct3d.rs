@@ -8,7 +8,7 @@ mod noted;
 
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use noted::Noted;
-use parafovea_test_layers::ShadingRateProfile;
+use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
 use parafovea_tests::drivers::Folder;
 use parafovea_tests::drivers::direct3d::{self, LOOKS};
 use parafovea_tests::installation::Driver;
@@ -32,6 +32,12 @@ const KNOWN_FROM: u64 = 9;
 
 /// Half the side of the compared centre, pixels: 5 degrees of 90 across.
 const CENTRE: u32 = 8;
+
+/// The look without masks, and the reason: an early return needs a descriptor set beside the application's, which would end DXVK's heaps.
+const REFUSED: (&str, &str) = ("multisampled", "the graphics state could not be restored after it");
+
+/// Largest mean difference of a picture with a coarse periphery, code values.
+const FILLED: f64 = 20.0;
 
 /// Rings at the centre of the view, never dropped, in full colour.
 const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n";
@@ -107,10 +113,12 @@ fn masks(look: &str) -> Result<(), Failed> {
     assert_nothing_new(&on, &off);
     let scene = scene_of(&file)?;
     let reasons: Vec<_> = scene.iter().filter_map(|pass| pass.unmasked.as_deref()).collect();
-    assert!(reasons.len() < scene.len(), "no pass has a mask: {reasons:?}\n{}", on.log);
+    let is_refused = REFUSED == (look, *reasons.first().unwrap_or(&"none"));
+    assert!(is_refused || reasons.len() < scene.len(), "no pass has a mask: {reasons:?}\n{}", on.log);
     for eye in 0..2 {
         let difference = compare(&on, &off, eye)?;
-        assert!(difference > 0.01 && difference < 6.0, "eye {eye}: {difference}");
+        assert_eq!(difference > 0.0, !is_refused, "eye {eye}: {difference}");
+        assert!(difference < FILLED, "eye {eye}: {difference}");
     }
     Ok(())
 }
@@ -123,8 +131,16 @@ fn rates(look: &str) -> Result<(), Failed> {
     let new: Vec<_> = new.into_iter().filter(|message| !message.is_of_stand_in()).collect();
     assert!(new.is_empty(), "{new:#?}\n{}", on.log);
     assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
-    let lines = on.shading_rates()?;
-    println!("{}", lines.len());
+    let mut is_coarse = false;
+    for line in on.shading_rates()? {
+        match line {
+            ShadingRateLine::Finding(finding) => return Err(format!("{finding:?}").into()),
+            ShadingRateLine::Pass(pass) => {
+                is_coarse |= pass.map.is_some_and(|map| map.histogram.keys().any(|rate| rate != "1x1"));
+            }
+        }
+    }
+    assert!(is_coarse, "no pass is coarse\n{}", on.log);
     // The stand-in shades each pixel.
     for eye in 0..2 {
         assert!(on.submitted(eye, SAVED)? == off.submitted(eye, SAVED)?, "eye {eye} differs");
@@ -138,7 +154,7 @@ fn everything(look: &str) -> Result<(), Failed> {
     assert_nothing_new(&on, &off);
     for eye in 0..2 {
         let difference = compare(&on, &off, eye)?;
-        assert!(difference > 0.01 && difference < 12.0, "eye {eye}: {difference}");
+        assert!(difference > 0.0 && difference < FILLED, "eye {eye}: {difference}");
     }
     Ok(())
 }
