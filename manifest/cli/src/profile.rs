@@ -7,7 +7,7 @@ mod kinds;
 
 use edit::{Change, EditError};
 use effective::{Origin, effective};
-use files::Files;
+use files::{Files, Target};
 use parafovea_manifest::config::{self, ConfigErrors};
 use parafovea_manifest::install::{InstallError, Step};
 use parafovea_manifest::options::{OPTIONS, OptionSpec};
@@ -189,7 +189,8 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
     };
     let after = edit::apply(&before, option, change).map_err(|error| Failure::Edit(path.clone(), error))?;
     if matches!(change, Change::Unset) && after == before {
-        return Ok(format!("{key} is not set for {application}; nothing was changed\n"));
+        let text = format!("{key} is not set for {application}; nothing was changed\n");
+        return Ok(text + &files.unknown(&target).unwrap_or_default());
     }
     config::parse(&path, &after).map_err(Failure::NotAllowed)?;
     write(&path, after)?;
@@ -206,7 +207,7 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
             files.applies(&from, &target)
         );
     }
-    Ok(text + &files.shadow(&path, &target).unwrap_or_default())
+    Ok(text + &notes(files, &path, &target))
 }
 
 /// Writes the kind's file, with the other settings of the file in force: only one file applies to an application.
@@ -231,7 +232,12 @@ fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> 
         let _ = writeln!(outcome, "Its other settings are those of {}{applies}.", from.display());
     }
     write(&path, text)?;
-    Ok(outcome + &files.shadow(&path, &target).unwrap_or_default())
+    Ok(outcome + &notes(files, &path, &target))
+}
+
+/// Lines about a file that was written: reasons why it may have no effect.
+fn notes(files: &Files, path: &Path, target: &Target) -> String {
+    files.shadow(path, target).into_iter().chain(files.unknown(target)).collect()
 }
 
 /// Prints a line for each error in any file.
