@@ -20,6 +20,7 @@ mod runtime;
 mod surroundings;
 mod variables;
 
+pub use containers::installed_in_flatpak;
 pub use finding::{Finding, Fix, Severity};
 pub use manifests::{SYSTEM_DATA, installed_elsewhere, removal};
 pub use probed::{ANSWER_PREFIX, CreatedDevice, Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};

@@ -9,7 +9,7 @@ use crate::config::offers_gaze;
 use crate::install::plan_install;
 use crate::json::Half;
 use crate::paths::{FLATPAK_STEAM, SNAP_STEAM};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -51,6 +51,18 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         );
     }
     findings
+}
+
+/// The folder for data files in the home of Steam's Flatpak.
+pub(super) fn flatpak_data(surroundings: &Surroundings) -> Option<PathBuf> {
+    Some(surroundings.home()?.join(FLATPAK_STEAM).join(".local/share"))
+}
+
+/// Manifests of the copy in Steam's Flatpak, which is installed and removed by commands of its own.
+pub fn installed_in_flatpak(surroundings: &Surroundings) -> Vec<PathBuf> {
+    let data = flatpak_data(surroundings);
+    let manifests = data.iter().flat_map(|data| Half::BOTH.map(|half| half.manifest_path(data)));
+    manifests.filter(|path| path.is_file()).collect()
 }
 
 /// Steam as a Flatpak without the layer, or with another build of it.

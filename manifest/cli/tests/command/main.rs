@@ -290,6 +290,35 @@ fn a_second_installation_is_refused() {
     assert!(flatpak.status.success(), "{flatpak:?}");
 }
 
+/// Steam from Flatpak has a copy of its own, which the host's command does not remove.
+#[test]
+fn a_copy_that_remains_in_the_flatpak_of_steam_is_named() {
+    let home = home_with_library();
+    let flatpak = home.path().join(".var/app/com.valvesoftware.Steam/.local/share");
+    let run = |data: &Path, arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_parafovea"));
+        command.args(arguments).env_clear().env("HOME", home.path()).env("XDG_DATA_HOME", data);
+        printed(&command.current_dir(home.path()).output().unwrap())
+    };
+    let host = home.path().join(".local/share");
+    for data in [&host, &flatpak] {
+        run(data, &["install", "--library", "built.so"]);
+    }
+    let said = run(&host, &["uninstall"]);
+    let last = said.lines().last().unwrap();
+    let [manifest, layer] = ["vulkan/implicit_layer.d", "openxr/1/api_layers/implicit.d"]
+        .map(|folder| flatpak.join(folder).join("parafovea.json").display().to_string());
+    assert!(
+        last.starts_with("still installed: ") && last.contains(&manifest) && last.contains(&layer),
+        "{said}"
+    );
+    let command =
+        format!("XDG_DATA_HOME={} {} uninstall", flatpak.display(), env!("CARGO_BIN_EXE_parafovea"));
+    assert!(last.ends_with(&format!("; to remove it: {command}")), "{said}");
+    assert!(!run(&flatpak, &["uninstall"]).contains("still installed"));
+    assert_eq!(run(&host, &["uninstall"]), "not installed\n");
+}
+
 /// As over SSH: games in containers have their state in the home.
 #[test]
 fn applications_in_containers_are_found_without_a_runtime_folder() {
