@@ -1,8 +1,7 @@
 //! Whether both halves are installed, and are one.
 
-use super::containers::flatpak_data;
 use super::layers::{Layer, Layers, Manifest, UnreadableFolder, Unusable};
-use super::{Finding, Fix, Surroundings};
+use super::{Finding, Fix, Surroundings, flatpak};
 use crate::config::offers_gaze;
 use crate::install::{library_path, plan_install};
 use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
@@ -172,14 +171,14 @@ pub fn installed_elsewhere(surroundings: &Surroundings, data: &Path) -> Vec<Path
 pub fn removal<'a>(surroundings: &Surroundings, manifests: impl IntoIterator<Item = &'a Path>) -> String {
     let home = surroundings.environment.data_home();
     let system = surroundings.system(SYSTEM_DATA);
-    let flatpak = flatpak_data(surroundings);
+    let in_flatpak = flatpak::data(surroundings);
     let mut ways: Vec<String> = Vec::new();
     for manifest in manifests {
         let way = if home.is_some_and(|home| manifest.starts_with(home)) {
             "parafovea uninstall".to_owned()
         } else if manifest.starts_with(&system) {
             surroundings.as_root("uninstall --system")
-        } else if let Some(data) = flatpak.as_deref().filter(|data| manifest.starts_with(data)) {
+        } else if let Some(data) = in_flatpak.as_deref().filter(|data| manifest.starts_with(data)) {
             surroundings.with_data(data, "uninstall")
         } else {
             "the package manager of the system".to_owned()

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 mod faults;
+mod flatpak;
 
 /// A machine on which everything is as it should be, until a fault is injected.
 struct Machine {
