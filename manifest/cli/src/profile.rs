@@ -187,12 +187,18 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
         (None, Some(from)) => read(from)?.unwrap_or_default(),
         (None, None) => String::new(),
     };
-    let after = edit::apply(&before, option, change).map_err(|error| Failure::Edit(path.clone(), error))?;
+    // The text is that of the file that is copied, and so are its errors.
+    let errors_of_copied = || from.as_ref().and_then(|from| config::load(from).err());
+    let after = edit::apply(&before, option, change).map_err(|error| match errors_of_copied() {
+        Some(errors) => Failure::NotAllowed(errors),
+        None => Failure::Edit(path.clone(), error),
+    })?;
     if matches!(change, Change::Unset) && after == before {
         let text = format!("{key} is not set for {application}; nothing was changed\n");
         return Ok(text + &files.unknown(&target).unwrap_or_default());
     }
-    config::parse(&path, &after).map_err(Failure::NotAllowed)?;
+    config::parse(&path, &after)
+        .map_err(|errors| Failure::NotAllowed(errors_of_copied().unwrap_or(errors)))?;
     write(&path, after)?;
     let mut text = format!("{}: ", path.display());
     text += &match change {

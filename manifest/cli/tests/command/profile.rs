@@ -171,3 +171,29 @@ fn a_profile_that_no_game_would_read_is_named_or_refused() {
     let without = printed(&parafovea(home.path(), &["profile", "set", "game", "chroma.mode", "off"]));
     assert!(!without.contains("effect"), "{without}");
 }
+
+/// The file of an application begins as a copy of the one in force, whose errors are not those of the new file.
+#[test]
+fn errors_of_a_file_that_is_copied_have_its_name() {
+    let home = TempDir::new().unwrap();
+    let config = home.path().join(".config/parafovea/config.toml");
+    fs::create_dir_all(config.parent().unwrap()).unwrap();
+    let set = |value: &str| parafovea(home.path(), &["profile", "set", "Game", "enabled", value]);
+    for (text, error) in
+        [("preset = 1\n", "line 1: preset = 1 is not allowed"), ("a = = 1\n", "line 1: not valid TOML")]
+    {
+        fs::write(&config, text).unwrap();
+        let complaint = complained(&set("false"));
+        assert!(complaint.contains(&format!("{}: {error}", config.display())), "{complaint}");
+        assert!(!complaint.contains("apps/Game.toml"), "{complaint}");
+    }
+    assert!(!config.with_file_name("apps").exists());
+    // An error that the change itself removes, and one that it makes.
+    fs::write(&config, "enabled = 1\n").unwrap();
+    assert!(complained(&set("maybe")).contains("nothing was changed"));
+    printed(&set("false"));
+    fs::remove_dir_all(config.with_file_name("apps")).unwrap();
+    fs::write(&config, "enabled = true\n").unwrap();
+    let complaint = complained(&set("maybe"));
+    assert!(complaint.contains("apps/Game.toml: line 1: enabled = \"maybe\""), "{complaint}");
+}
