@@ -14,7 +14,7 @@ use std::path::Path;
 
 pub use crate::options::Config;
 pub use error::{ConfigError, ConfigErrors};
-pub use lookup::{Places, offers_gaze};
+pub use lookup::{Places, missing_target, offers_gaze};
 pub use names::Names;
 pub use parse::parse;
 pub use read::MAX_BYTES;

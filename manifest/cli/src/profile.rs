@@ -82,6 +82,8 @@ enum Failure {
     NotAllowed(ConfigErrors),
     #[error("the file has errors:\n{0}")]
     Invalid(ConfigErrors),
+    #[error("{} is a link to {}, which is missing; create that file, or remove the link", .0.display(), .1.display())]
+    LinkToNothing(PathBuf, PathBuf),
     #[error(transparent)]
     Write(#[from] InstallError),
 }
@@ -121,6 +123,9 @@ fn list(files: &Files) -> Result<String, Failure> {
     let mut text = String::new();
     for file in files.existing() {
         let state = match config::load(&file.path) {
+            Err(_) if config::missing_target(&file.path).is_some() => {
+                "no effect: a link to a missing file".to_owned()
+            }
             Ok(config) => {
                 let count = fs::read_to_string(&file.path).map_or(0, |text| effective::set_in(&text).len());
                 let preset = OPTIONS.iter().find(|option| option.key() == "preset");
@@ -274,8 +279,11 @@ fn read(path: &Path) -> Result<Option<String>, Failure> {
     }
 }
 
-/// Writes through a link, so that a configuration that is kept elsewhere stays there.
+/// Writes through a link, so that a configuration that is kept elsewhere stays there. A link to a missing file stays, too.
 fn write(path: &Path, text: String) -> Result<(), Failure> {
+    if let Some(target) = config::missing_target(path) {
+        return Err(Failure::LinkToNothing(path.to_owned(), target));
+    }
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     Ok(Step::Write { path, text }.apply()?)
 }

@@ -81,7 +81,7 @@ impl Files {
     pub fn in_force(&self, target: &Target) -> Option<PathBuf> {
         let names = target.names.clone().unwrap_or_default();
         let places = Places::new(&self.environment, names.application.as_deref(), &names.executable);
-        places.find(exists).map(Path::to_owned)
+        places.in_force().map(Path::to_owned)
     }
 
     /// The rest of a sentence about a file that was copied for an application: whether it still applies to that.

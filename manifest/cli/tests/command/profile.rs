@@ -2,7 +2,7 @@
 
 use super::{complained, parafovea, printed};
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
@@ -196,4 +196,29 @@ fn errors_of_a_file_that_is_copied_have_its_name() {
     fs::write(&config, "enabled = true\n").unwrap();
     let complaint = complained(&set("maybe"));
     assert!(complaint.contains("apps/Game.toml: line 1: enabled = \"maybe\""), "{complaint}");
+}
+
+/// As stow and Nix leave them when a package is removed. The layer takes the next file then, too.
+#[test]
+fn a_link_to_a_missing_file_counts_as_none_and_stays() {
+    let home = TempDir::new().unwrap();
+    let folder = home.path().join(".config/parafovea");
+    let [config, link, target] = ["config.toml", "apps/Game.toml", "kept.toml"].map(|name| folder.join(name));
+    fs::create_dir_all(link.parent().unwrap()).unwrap();
+    fs::write(&config, "gaze.hold_ms = 7\n").unwrap();
+    symlink(&target, &link).unwrap();
+    let profile = |arguments: &[&str]| parafovea(home.path(), &[&["profile"], arguments].concat());
+    let shown = printed(&profile(&["show", "Game"]));
+    assert!(shown.starts_with(&format!("# Game: {}\n", config.display())), "{shown}");
+    assert!(printed(&profile(&["list"])).contains("apps/Game.toml: no effect: a link to a missing file"));
+    for arguments in [["set", "Game", "enabled", "false"].as_slice(), &["new", "Game", "proton"]] {
+        let complaint = complained(&profile(arguments));
+        let expected = format!("{} is a link to {}, which is missing", link.display(), target.display());
+        assert!(complaint.contains(&expected), "{complaint}");
+    }
+    assert_eq!(fs::read_link(&link).unwrap(), target);
+    fs::write(&target, "").unwrap();
+    printed(&profile(&["set", "Game", "enabled", "false"]));
+    assert_eq!(fs::read_link(&link).unwrap(), target);
+    assert_eq!(fs::read_to_string(&target).unwrap(), "enabled = false\n");
 }
