@@ -73,7 +73,7 @@ impl Names {
 
     /// By the status of running applications.
     fn running(environment: &Environment, now: SystemTime) -> impl Iterator<Item = Self> {
-        let running = read_all(environment, now).map(|(found, _)| found).unwrap_or_default();
+        let running = read_all(environment, now).found;
         running.into_iter().map(|found| Self {
             application: Some(found.status.application).filter(|name| !name.is_empty()),
             executable: Path::new(&found.status.executable)

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod profile;
+mod status;
 
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Status, StatusFile};
