@@ -11,7 +11,6 @@ use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Found, Gone, Statuses, UnreadableStatus, read_all};
 use serde_json::json;
 use std::process::ExitCode;
-use std::thread::sleep;
 use std::time::{Duration, SystemTime};
 
 /// Options of `parafovea status`.
@@ -108,7 +107,9 @@ fn repeat(
         if !crate::can_print(&shown) || once {
             return if once && !unreadable.is_empty() { ExitCode::FAILURE } else { ExitCode::SUCCESS };
         }
-        sleep(Duration::from_secs(EVERY_S));
+        if crate::has_lost_reader(Duration::from_secs(EVERY_S)) {
+            return ExitCode::SUCCESS;
+        }
     }
 }
 
