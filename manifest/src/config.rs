@@ -1,7 +1,8 @@
 //! The configuration: its file and its content.
 //!
 //! The first file of the look-up order is the configuration; options that it does not set have the value of its preset, or their
-//! default. A file with an error is rejected as a whole, with a line for each error, so that no file applies in part.
+//! default. A file with an error is rejected as a whole, with a line for each error, so that no file applies in part; at the start of an
+//! application, its `enabled = false` still counts.
 
 mod error;
 mod lookup;

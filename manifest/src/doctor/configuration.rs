@@ -23,13 +23,14 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
         if let Some(target) = missing_target(&path).filter(|_| file.as_ref() != Some(&path)) {
             findings.push(link_to_nothing(surroundings, &path, &target, file.as_deref()));
         } else if let Err(errors) = load(&path) {
+            let means = if errors.turns_off() {
+                "The whole file is ignored, except for enabled = false when the game starts."
+            } else {
+                "The whole file is ignored: the previous settings, or the defaults, apply."
+            };
             findings.extend(errors.lines().map(|line| {
-                Finding::problem(
-                    "configuration-wrong",
-                    line,
-                    "The whole file is ignored: the previous settings, or the defaults, apply.",
-                )
-                .advise("correct this line; parafovea config default prints every option")
+                Finding::problem("configuration-wrong", line, means)
+                    .advise("correct this line; parafovea config default prints every option")
             }));
         }
     }

@@ -43,3 +43,19 @@ fn a_link_to_a_missing_file_is_named_with_the_file_that_applies() {
     let found = of(&machine, None);
     assert!(found.len() == 1 && found[0].id == "configuration-wrong", "{found:#?}");
 }
+
+#[test]
+fn an_off_switch_beside_errors_is_told() {
+    let machine = Machine::new();
+    for (text, means) in
+        [("enabled = false\na = 1\n", "except for enabled = false"), ("a = 1\n", "or the defaults")]
+    {
+        machine.put("home/.config/parafovea/config.toml", text);
+        let findings = machine.findings();
+        assert!(
+            findings[0].id == "configuration-wrong" && findings[0].means.contains(means),
+            "{}",
+            findings[0]
+        );
+    }
+}
