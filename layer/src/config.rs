@@ -92,12 +92,20 @@ struct Watched {
 
 impl LiveConfig {
     /// Reads the configuration of `application`, the name that it gives to OpenXR. Where the file has an
-    /// error, that is logged, and the defaults hold.
+    /// error, that is logged, and the defaults hold, turned off if the file has `enabled = false`.
     pub fn new(environment: &Environment, application: Option<&str>) -> Self {
         arming::name_application(application);
         let mut watch = Watch::new(environment, application, &executable());
-        let (config, source) = watch.poll().map(|read| accept(read, &watch)).unwrap_or_default();
-        let config = config.unwrap_or_default();
+        let (read, source) = match watch.poll() {
+            Some(read) => accept(read, &watch),
+            None => (Ok(Config::default()), Settings::default()),
+        };
+        let config = read.unwrap_or_else(|errors| {
+            if errors.turns_off() {
+                tracing::info!("enabled = false applies, regardless of these errors");
+            }
+            errors.at_start()
+        });
         crate::log::set_level(config.log.level);
         let pid = std::process::id();
         let watched = Watched {
@@ -186,7 +194,7 @@ impl Shared {
         let is_read = read.is_some();
         let edited = read.and_then(|(config, source)| {
             snapshot.source = Arc::new(source);
-            config
+            config.ok()
         });
         let view = watched.asked.look();
         let is_gaze_watched = watched.gaze.look(now);
@@ -228,8 +236,8 @@ impl Shared {
     }
 }
 
-/// The configuration that was read, unless it has errors, which are logged; and its source.
-fn accept(read: Result<Config, ConfigErrors>, watch: &Watch) -> (Option<Config>, Settings) {
+/// The configuration that was read, whose errors are logged, and its source.
+fn accept(read: Result<Config, ConfigErrors>, watch: &Watch) -> (Result<Config, ConfigErrors>, Settings) {
     if let Err(errors) = &read {
         for line in errors.lines() {
             tracing::error!("configuration ignored: {line}");
@@ -237,7 +245,7 @@ fn accept(read: Result<Config, ConfigErrors>, watch: &Watch) -> (Option<Config>,
     }
     let file = watch.file().map(|file| file.display().to_string()).unwrap_or_default();
     let source = Settings { file, has_error: read.is_err() };
-    (read.ok(), source)
+    (read, source)
 }
 
 #[cfg(test)]

@@ -165,7 +165,7 @@ mod tests {
         reporter
             .report(StatusSnapshot { frames: 5, ..StatusSnapshot::default() }, Arc::new(settings.clone()));
         assert!(!reporter.is_asked());
-        let read = || read_all(&environment, SystemTime::now()).unwrap().0;
+        let read = || read_all(&environment, SystemTime::now()).found;
         let frames = || read().first().map_or(0, |found| found.status.frames);
         while frames() < 5 {
             sleep(Duration::from_millis(10));

@@ -1,7 +1,8 @@
 //! The configuration: its file and its content.
 //!
 //! The first file of the look-up order is the configuration; options that it does not set have the value of its preset, or their
-//! default. A file with an error is rejected as a whole, with a line for each error, so that no file applies in part.
+//! default. A file with an error is rejected as a whole, with a line for each error, so that no file applies in part; at the start of an
+//! application, its `enabled = false` still counts.
 
 mod error;
 mod lookup;
@@ -14,7 +15,7 @@ use std::path::Path;
 
 pub use crate::options::Config;
 pub use error::{ConfigError, ConfigErrors};
-pub use lookup::{Places, offers_gaze};
+pub use lookup::{Places, missing_target, offers_gaze};
 pub use names::Names;
 pub use parse::parse;
 pub use read::MAX_BYTES;

@@ -9,6 +9,7 @@ mod containers;
 mod created;
 mod device;
 mod finding;
+mod flatpak;
 mod gaze;
 mod layers;
 mod loaders;
@@ -21,6 +22,7 @@ mod surroundings;
 mod variables;
 
 pub use finding::{Finding, Fix, Severity};
+pub use flatpak::installed_in_flatpak;
 pub use manifests::{SYSTEM_DATA, installed_elsewhere, removal};
 pub use probed::{ANSWER_PREFIX, CreatedDevice, Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
 pub use surroundings::Surroundings;

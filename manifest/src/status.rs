@@ -16,7 +16,7 @@ mod watch;
 
 pub use correction::{AskedMeasurement, CorrectionStatus, GazeMeasurement, ask_measurement};
 pub use effect::effect;
-pub use folder::{Found, Gone, StatusFile, read_all};
+pub use folder::{Found, Gone, StatusFile, Statuses, UnreadableStatus, read_all};
 pub use gaze::ASSUMED_DELAY_MS;
 pub use view::{AskedView, ask_view};
 pub use watch::{GazeWatch, watch_gaze};

@@ -159,7 +159,7 @@ impl Bed {
         let mut since: Option<u64> = None;
         let mut newest = None;
         while begun.elapsed() < PATIENCE && matches!(child.try_wait(), Ok(None)) {
-            let (found, _) = read_all(&environment, std::time::SystemTime::now()).unwrap_or_default();
+            let found = read_all(&environment, std::time::SystemTime::now()).found;
             if let Some(status) = found.into_iter().next().map(|found| found.status) {
                 since = is_so(&status).then(|| since.unwrap_or(status.frames));
                 if since.is_some_and(|since| status.frames >= since + SETTLING_FRAMES) {

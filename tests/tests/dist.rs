@@ -131,6 +131,17 @@ fn the_archive_installs_for_one_user_and_leaves_no_trace() {
         command.args(arguments).env_clear().env("PATH", "/usr/bin:/bin").env("HOME", &home);
         run(&mut command)
     };
+    // Beside a package, it is refused as a whole.
+    let packaged = folder.path().join("usr/share");
+    let mut package = Command::new(top.join("bin/parafovea"));
+    package.arg("install").env_clear().env("HOME", &home).env("XDG_DATA_HOME", &packaged);
+    assert!(run(&mut package).status.success());
+    let mut beside = Command::new(top.join("install.sh"));
+    beside.env_clear().env("PATH", "/usr/bin:/bin").env("HOME", &home).env("XDG_DATA_DIRS", &packaged);
+    let refused = run(&mut beside);
+    assert!(!refused.status.success() && said(&refused).contains("already installed"), "{}", said(&refused));
+    assert_eq!(files(&home), before);
+
     let installed = install(&[]);
     assert!(installed.status.success(), "{}", said(&installed));
     assert!(said(&installed).contains(".local/bin/parafovea doctor"), "{}", said(&installed));

@@ -98,7 +98,7 @@ fn a_distortion_is_measured_with_nine_dots_and_removed() {
         Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| runtime.clone().into()));
     // The eyes follow the dot.
     let _sender = Sender::moving(address, move || {
-        let found = read_all(&environment, SystemTime::now()).map(|(found, _)| found).unwrap_or_default();
+        let found = read_all(&environment, SystemTime::now()).found;
         let dot = found.first().map_or(0, |found| found.status.gaze_correction.dot);
         let [left, up] = distorted(DOTS_DEG[dot.saturating_sub(1) as usize]);
         message("/tracking/eye/CenterPitchYaw", &[-up, -left])

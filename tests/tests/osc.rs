@@ -96,7 +96,7 @@ pub fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Status {
     let environment =
         Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| running.runtime_folder().into()));
     loop {
-        let (found, _) = read_all(&environment, SystemTime::now()).unwrap();
+        let found = read_all(&environment, SystemTime::now()).found;
         match found.as_slice() {
             [found] if is_so(&found.status) => return found.status.clone(),
             other => assert!(begin.elapsed() < PATIENCE, "{other:#?}\n{}", running.log()),

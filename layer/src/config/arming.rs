@@ -37,12 +37,13 @@ impl Arming {
         }
     }
 
-    /// The demands of this process's configuration at this moment. A file with an error asks for the defaults; the
-    /// OpenXR half logs the error.
+    /// The demands of this process's configuration at this moment. A file with an error asks for the defaults, or for nothing if it has
+    /// `enabled = false`; the OpenXR half logs the error.
     pub fn of_process(environment: &Environment) -> Self {
         let application = application().clone();
         let read = Watch::new(environment, application.as_deref(), &executable()).poll();
-        Self::of(&read.and_then(Result::ok).unwrap_or_default())
+        let read = read.unwrap_or_else(|| Ok(Config::default()));
+        Self::of(&read.unwrap_or_else(|errors| errors.at_start()))
     }
 
     /// The arming of that number; `None` if there is none.
@@ -130,6 +131,22 @@ mod tests {
         let mut without = Config { enabled: false, ..Config::default() };
         without.rates.mode = RatesMode::Fixed;
         assert_eq!(Arming::of(&without), Arming::Inert);
+    }
+
+    /// A device of a game that was turned off stays as it is, though the file has the key of a later version.
+    #[test]
+    fn a_file_with_an_error_can_turn_devices_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("config.toml");
+        let environment =
+            Environment::new(false, |name| (name == "PARAFOVEA_CONFIG").then(|| file.clone().into()));
+        for (text, arming) in [
+            ("enabled = false\nof_a_later_version = 1\n", Arming::Inert),
+            ("of_a_later_version = 1\n", Arming::of(&Config::default())),
+        ] {
+            std::fs::write(&file, text).unwrap();
+            assert_eq!(Arming::of_process(&environment), arming, "{text}");
+        }
     }
 
     #[test]

@@ -47,6 +47,18 @@ fn without_a_readable_file_the_defaults_hold() {
 }
 
 #[test]
+fn a_file_with_an_error_at_the_start_can_turn_the_layer_off() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("config.toml");
+    std::fs::write(&file, "enabled = false\nof_a_later_version = 1\n").unwrap();
+    let config = live(&file);
+    assert_eq!(config.snapshot().config, Config { enabled: false, ..Config::default() });
+    assert!(config.snapshot().source.has_error);
+    std::fs::write(&file, "of_a_later_version = 1\n").unwrap();
+    assert_eq!(live(&file).snapshot().config, Config::default());
+}
+
+#[test]
 fn a_view_that_is_asked_for_stands_in_for_the_files_until_it_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("config.toml");

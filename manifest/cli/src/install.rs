@@ -2,7 +2,9 @@
 
 use crate::doctor::surroundings;
 use parafovea_manifest::config::offers_gaze;
-use parafovea_manifest::doctor::{SYSTEM_DATA, installed_elsewhere, removal};
+use parafovea_manifest::doctor::{
+    SYSTEM_DATA, Surroundings, installed_elsewhere, installed_in_flatpak, removal,
+};
 use parafovea_manifest::install::{InstallError, LIBRARY_NAME, Step, plan_install, plan_uninstall};
 use parafovea_manifest::paths::Environment;
 use std::env;
@@ -76,18 +78,31 @@ pub fn uninstall(scope: Scope) -> ExitCode {
             list(&kept)
         ));
     }
-    if let Some((paths, removal)) = scope.data().ok().and_then(|data| elsewhere(&data)) {
+    for (paths, removal) in scope.data().iter().flat_map(|data| [elsewhere(data), in_flatpak(data)]).flatten()
+    {
         crate::print(&format!("still installed: {}; to remove it: {removal}\n", list(&paths)));
     }
     code
+}
+
+/// Manifests in the home of Steam's Flatpak, unless that is `data`, and the command that removes these. Games outside have no view of them.
+fn in_flatpak(data: &Path) -> Option<(Vec<PathBuf>, String)> {
+    let surroundings = surroundings();
+    let mut paths = installed_in_flatpak(&surroundings);
+    paths.retain(|path| !path.starts_with(data));
+    with_removal(&surroundings, paths)
+}
+
+fn with_removal(surroundings: &Surroundings, paths: Vec<PathBuf>) -> Option<(Vec<PathBuf>, String)> {
+    let removal = removal(surroundings, paths.iter().map(PathBuf::as_path));
+    (!paths.is_empty()).then_some((paths, removal))
 }
 
 /// Manifests of installations outside of `data`, if there are any, and the commands that remove these.
 fn elsewhere(data: &Path) -> Option<(Vec<PathBuf>, String)> {
     let surroundings = surroundings();
     let paths = installed_elsewhere(&surroundings, data);
-    let removal = removal(&surroundings, paths.iter().map(PathBuf::as_path));
-    (!paths.is_empty()).then_some((paths, removal))
+    with_removal(&surroundings, paths)
 }
 
 fn finish(

@@ -10,11 +10,14 @@ mod run;
 mod status;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::sleep;
+use std::time::Duration;
 
 /// Foveated rendering for existing OpenXR applications
 #[derive(Parser)]
@@ -125,6 +128,23 @@ fn can_print(text: &str) -> bool {
             if error.kind() != ErrorKind::BrokenPipe && !HAS_FAILED.swap(true, Ordering::Relaxed) {
                 eprintln!("parafovea: standard output: {error}");
             }
+            false
+        }
+    }
+}
+
+/// Waits for `time`, at most until the reader of standard output has gone, which a command without output would not notice; returns whether it
+/// has gone.
+fn has_lost_reader(time: Duration) -> bool {
+    let stdout = io::stdout();
+    // No event is asked for: a pipe without a reader is one in any case.
+    let mut watched = [PollFd::new(&stdout, PollFlags::empty())];
+    let until = Timespec::try_from(time).ok();
+    match poll(&mut watched, until.as_ref()) {
+        Ok(0) => false,
+        Ok(_) => true,
+        Err(_) => {
+            sleep(time);
             false
         }
     }

@@ -7,7 +7,7 @@ mod kinds;
 
 use edit::{Change, EditError};
 use effective::{Origin, effective};
-use files::Files;
+use files::{Files, Target};
 use parafovea_manifest::config::{self, ConfigErrors};
 use parafovea_manifest::install::{InstallError, Step};
 use parafovea_manifest::options::{OPTIONS, OptionSpec};
@@ -82,6 +82,8 @@ enum Failure {
     NotAllowed(ConfigErrors),
     #[error("the file has errors:\n{0}")]
     Invalid(ConfigErrors),
+    #[error("{} is a link to {}, which is missing; create that file, or remove the link", .0.display(), .1.display())]
+    LinkToNothing(PathBuf, PathBuf),
     #[error(transparent)]
     Write(#[from] InstallError),
 }
@@ -121,6 +123,9 @@ fn list(files: &Files) -> Result<String, Failure> {
     let mut text = String::new();
     for file in files.existing() {
         let state = match config::load(&file.path) {
+            Err(_) if config::missing_target(&file.path).is_some() => {
+                "no effect: a link to a missing file".to_owned()
+            }
             Ok(config) => {
                 let count = fs::read_to_string(&file.path).map_or(0, |text| effective::set_in(&text).len());
                 let preset = OPTIONS.iter().find(|option| option.key() == "preset");
@@ -187,11 +192,18 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
         (None, Some(from)) => read(from)?.unwrap_or_default(),
         (None, None) => String::new(),
     };
-    let after = edit::apply(&before, option, change).map_err(|error| Failure::Edit(path.clone(), error))?;
+    // The text is that of the file that is copied, and so are its errors.
+    let errors_of_copied = || from.as_ref().and_then(|from| config::load(from).err());
+    let after = edit::apply(&before, option, change).map_err(|error| match errors_of_copied() {
+        Some(errors) => Failure::NotAllowed(errors),
+        None => Failure::Edit(path.clone(), error),
+    })?;
     if matches!(change, Change::Unset) && after == before {
-        return Ok(format!("{key} is not set for {application}; nothing was changed\n"));
+        let text = format!("{key} is not set for {application}; nothing was changed\n");
+        return Ok(text + &files.unknown(&target).unwrap_or_default());
     }
-    config::parse(&path, &after).map_err(Failure::NotAllowed)?;
+    config::parse(&path, &after)
+        .map_err(|errors| Failure::NotAllowed(errors_of_copied().unwrap_or(errors)))?;
     write(&path, after)?;
     let mut text = format!("{}: ", path.display());
     text += &match change {
@@ -206,7 +218,7 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
             files.applies(&from, &target)
         );
     }
-    Ok(text + &files.shadow(&path, &target).unwrap_or_default())
+    Ok(text + &notes(files, &path, &target))
 }
 
 /// Writes the kind's file, with the other settings of the file in force: only one file applies to an application.
@@ -231,7 +243,12 @@ fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> 
         let _ = writeln!(outcome, "Its other settings are those of {}{applies}.", from.display());
     }
     write(&path, text)?;
-    Ok(outcome + &files.shadow(&path, &target).unwrap_or_default())
+    Ok(outcome + &notes(files, &path, &target))
+}
+
+/// Lines about a file that was written: reasons why it may have no effect.
+fn notes(files: &Files, path: &Path, target: &Target) -> String {
+    files.shadow(path, target).into_iter().chain(files.unknown(target)).collect()
 }
 
 /// Prints a line for each error in any file.
@@ -262,8 +279,11 @@ fn read(path: &Path) -> Result<Option<String>, Failure> {
     }
 }
 
-/// Writes through a link, so that a configuration that is kept elsewhere stays there.
+/// Writes through a link, so that a configuration that is kept elsewhere stays there. A link to a missing file stays, too.
 fn write(path: &Path, text: String) -> Result<(), Failure> {
+    if let Some(target) = config::missing_target(path) {
+        return Err(Failure::LinkToNothing(path.to_owned(), target));
+    }
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     Ok(Step::Write { path, text }.apply()?)
 }

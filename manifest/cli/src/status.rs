@@ -8,11 +8,9 @@ pub use text::title;
 pub use view::shown_view;
 
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{EVERY_S, Found, Gone, read_all};
+use parafovea_manifest::status::{EVERY_S, Found, Gone, Statuses, UnreadableStatus, read_all};
 use serde_json::json;
-use std::io;
 use std::process::ExitCode;
-use std::thread::sleep;
 use std::time::{Duration, SystemTime};
 
 /// Options of `parafovea status`.
@@ -91,33 +89,47 @@ fn repeat(
     json: bool,
     shown: &Watched<impl Fn(&[Found], Gone) -> String, impl Fn(&[Found]) -> String>,
 ) -> ExitCode {
+    let mut told = Vec::new();
     loop {
-        let shown = match read(environment, application) {
-            Ok((found, _)) if json => (shown.json)(&found),
-            Ok((found, gone)) => (shown.text)(&found, gone),
-            Err(error) => {
-                eprintln!("parafovea: {error}");
-                return ExitCode::FAILURE;
+        let Statuses { found, gone, unreadable } = read(environment, application);
+        let faults: Vec<String> = unreadable.iter().map(|folder| format!("{folder}\n")).collect();
+        let shown = if json { (shown.json)(&found) } else { (shown.text)(&found, gone) };
+        let shown = if json || once {
+            if told != faults {
+                complain(&unreadable);
+                told = faults;
             }
+            shown
+        } else {
+            // A screen that is cleared each second would also lose lines on standard error.
+            screen::live(faults.concat() + &shown)
         };
-        let shown = if json || once { shown } else { screen::live(shown) };
         if !crate::can_print(&shown) || once {
+            return if once && !unreadable.is_empty() { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+        }
+        if crate::has_lost_reader(Duration::from_secs(EVERY_S)) {
             return ExitCode::SUCCESS;
         }
-        sleep(Duration::from_secs(EVERY_S));
     }
 }
 
-/// Status of `application`, or of all, and the number of crashed or hanging ones.
-pub fn read(environment: &Environment, application: Option<&str>) -> io::Result<(Vec<Found>, Gone)> {
-    let (mut found, gone) = read_all(environment, SystemTime::now())?;
+/// Prints the folders that cannot be read as errors.
+pub fn complain(unreadable: &[UnreadableStatus]) {
+    for folder in unreadable {
+        eprintln!("parafovea: {folder}");
+    }
+}
+
+/// Status of `application`, or of all.
+pub fn read(environment: &Environment, application: Option<&str>) -> Statuses {
+    let mut statuses = read_all(environment, SystemTime::now());
     let is_it = |Found { status, .. }: &Found| {
         application.is_none_or(|name| {
             name == status.application || name == status.executable || name == status.pid.to_string()
         })
     };
-    found.retain(is_it);
-    Ok((found, gone))
+    statuses.found.retain(is_it);
+    statuses
 }
 
 /// Each status with its age, a line of JSON each.

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::options::Config;
+
 /// One thing that is wrong. `Display` is one line, without the file's name; [`ConfigErrors`] adds that.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
@@ -111,11 +113,28 @@ pub(super) fn one_line(text: &str) -> String {
 pub struct ConfigErrors {
     path: PathBuf,
     errors: Vec<ConfigError>,
+    turns_off: bool,
 }
 
 impl ConfigErrors {
     pub(super) fn new(path: &Path, errors: Vec<ConfigError>) -> Self {
-        Self { path: path.to_owned(), errors }
+        Self { path: path.to_owned(), errors, turns_off: false }
+    }
+
+    /// As [`Self::new`]; `turns_off`: the file has `enabled = false`.
+    pub(super) fn of_table(path: &Path, errors: Vec<ConfigError>, turns_off: bool) -> Self {
+        Self { path: path.to_owned(), errors, turns_off }
+    }
+
+    /// Whether the file has `enabled = false` among its errors. The off switch of a game that crashes with the layer has to work with any other
+    /// key, such as one of a later version.
+    pub fn turns_off(&self) -> bool {
+        self.turns_off
+    }
+
+    /// The configuration of an application that starts with this file: the defaults, turned off if the file does that.
+    pub fn at_start(&self) -> Config {
+        Config { enabled: !self.turns_off, ..Config::default() }
     }
 
     /// The lines of the message, one for each error.

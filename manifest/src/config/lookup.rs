@@ -1,6 +1,7 @@
 //! Lookup of the configuration file.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::load;
@@ -11,6 +12,9 @@ const SYSTEM_FILE: &str = "/etc/parafovea/config.toml";
 
 /// The same file within a container of Steam, whose `/etc` is another (pressure-vessel: the system's files are below `/run/host`).
 const SYSTEM_FILE_OUTSIDE: &str = "/run/host/etc/parafovea/config.toml";
+
+/// The most links that the kernel follows for a path (path_resolution(7)).
+const MAX_LINKS: usize = 40;
 
 /// The places where the configuration of one application may be, first choice first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,11 +59,29 @@ impl Places {
         &self.files
     }
 
-    /// The first that `exists`; `None` if none does: the defaults hold. A file that `PARAFOVEA_CONFIG` names
+    /// The file that applies now; `None` if there is none: the defaults hold. A link to a missing file is no file. A place that cannot be
+    /// looked at for another reason than that it is missing counts as having the file: reading it gives the reason.
+    pub fn in_force(&self) -> Option<&Path> {
+        self.find(|file| !is_missing(file))
+    }
+
+    /// The first that `exists`; `None` if none does. A file that `PARAFOVEA_CONFIG` names
     /// is found in any case: if it is missing, [`load`] reports that, and no defaults silently take its place.
-    pub fn find(&self, exists: impl Fn(&Path) -> bool) -> Option<&Path> {
+    fn find(&self, exists: impl Fn(&Path) -> bool) -> Option<&Path> {
         self.files.iter().map(PathBuf::as_path).find(|file| self.named || exists(file))
     }
+}
+
+fn is_missing(file: &Path) -> bool {
+    fs::metadata(file)
+        .is_err_and(|error| matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory))
+}
+
+/// The missing target of a link, also of one to further links; `None` for anything else.
+pub fn missing_target(link: &Path) -> Option<PathBuf> {
+    let next = |link: &PathBuf| Some(link.parent()?.join(fs::read_link(link).ok()?));
+    let targets = std::iter::successors(Some(link.to_owned()), next).skip(1).take(MAX_LINKS);
+    targets.last().filter(|_| is_missing(link))
 }
 
 /// Whether any configuration of the user, for any application, gives the gaze to applications.
@@ -76,6 +98,7 @@ pub fn offers_gaze(environment: &Environment) -> bool {
 mod tests {
     use super::*;
     use std::ffi::OsString;
+    use std::os::unix::fs::symlink;
 
     fn environment(elevated: bool, variables: &[(&str, &str)]) -> Environment {
         Environment::new(elevated, |name| {
@@ -138,6 +161,31 @@ mod tests {
         assert_eq!(places.find(|file| file == global || file.starts_with("/etc")), Some(global));
         assert_eq!(places.find(|_| true), Some(Path::new("/h/.config/parafovea/apps/app.toml")));
         assert_eq!(places.find(|_| false), None);
+    }
+
+    /// As stow and Nix leave them when a package is removed.
+    #[test]
+    fn a_link_to_a_missing_file_is_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let environment = environment(false, &[("XDG_CONFIG_HOME", folder.path().to_str().unwrap())]);
+        let apps = folder.path().join("parafovea/apps");
+        fs::create_dir_all(&apps).unwrap();
+        let [app, exe, target] = ["app.toml", "exe.toml", "target"].map(|name| apps.join(name));
+        symlink("exe.toml", &app).unwrap();
+        symlink(&target, &exe).unwrap();
+        let places = Places::new(&environment, Some("app"), Path::new("exe"));
+        assert!(places.in_force().is_none_or(|file| file.starts_with("/etc")));
+        assert_eq!(
+            [&app, &exe, &target].map(|file| missing_target(file)),
+            [Some(target.clone()), Some(target.clone()), None]
+        );
+        fs::write(&target, "").unwrap();
+        assert_eq!(places.in_force(), Some(app.as_path()));
+        assert_eq!([&app, &target].map(|file| missing_target(file)), [None, None]);
+        // Any other fault is one of the file.
+        fs::remove_file(&exe).unwrap();
+        symlink(&exe, &exe).unwrap();
+        assert_eq!((places.in_force(), missing_target(&app)), (Some(app.as_path()), None));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::paths::{Environment, file_stem};
 use crate::status::read_all;
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,15 @@ const INERT: &str = "\" inert: ";
 /// The largest part of a log that is read, bytes: a log never holds more than 2 MiB.
 const MAX_LOG_BYTES: u64 = 2 << 20;
 
+/// Greatest number of similar names.
+const MAX_SIMILAR: usize = 3;
+
+/// Least similarity of those (Jaro-Winkler, 0..=1).
+const MIN_SIMILARITY: f64 = 0.85;
+
+/// The longest name that is compared, bytes.
+const MAX_COMPARED: usize = 128;
+
 /// Names of one application. The file of the first ranks before that of the second ([`Places`](super::Places)).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names {
@@ -29,15 +39,48 @@ impl Names {
     /// Both names of the application that `name` means: by the status of running applications, else by the latest log with that name; `None`
     /// if neither has it.
     pub fn known(environment: &Environment, name: &str, now: SystemTime) -> Option<Self> {
-        let running = read_all(environment, now).map(|(found, _)| found).unwrap_or_default();
-        let running = running.into_iter().map(|found| Self {
+        let mut running = Self::running(environment, now);
+        running.find(|names| names.is(name)).or_else(|| Self::logged(environment, name))
+    }
+
+    /// Names of applications that run or have a log and are spelt like `name`, for instance in another case or without `.exe`: the most similar
+    /// first, three at most.
+    pub fn similar(environment: &Environment, name: &str, now: SystemTime) -> Vec<String> {
+        let mut names = BTreeSet::new();
+        for running in Self::running(environment, now) {
+            names.extend(running.application);
+            names.insert(running.executable.to_string_lossy().into_owned());
+        }
+        for log in logs(environment) {
+            names.extend(log.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+            names.extend(
+                read(&log).iter().flat_map(|text| text.lines()).filter_map(application).map(str::to_owned),
+            );
+        }
+        let plain = |name: &str| {
+            let name = name.to_lowercase();
+            name.strip_suffix(".exe").map(str::to_owned).unwrap_or(name)
+        };
+        let wanted = plain(name);
+        let similar = names
+            .into_iter()
+            .filter(|name| name.len() <= MAX_COMPARED)
+            .map(|name| (strsim::jaro_winkler(&plain(&name), &wanted), name));
+        let mut similar: Vec<_> = similar.filter(|(similarity, _)| *similarity >= MIN_SIMILARITY).collect();
+        similar.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+        similar.into_iter().map(|(_, name)| name).take(MAX_SIMILAR).collect()
+    }
+
+    /// By the status of running applications.
+    fn running(environment: &Environment, now: SystemTime) -> impl Iterator<Item = Self> {
+        let running = read_all(environment, now).found;
+        running.into_iter().map(|found| Self {
             application: Some(found.status.application).filter(|name| !name.is_empty()),
             executable: Path::new(&found.status.executable)
                 .file_name()
                 .map(PathBuf::from)
                 .unwrap_or_default(),
-        });
-        running.into_iter().find(|names| names.is(name)).or_else(|| Self::logged(environment, name))
+        })
     }
 
     /// The two names of an application that never ran: `name` may be either.
@@ -51,16 +94,8 @@ impl Names {
 
     /// By the logs, the latest first.
     fn logged(environment: &Environment, name: &str) -> Option<Self> {
-        let folders = environment.state_homes().into_iter().map(|state| state.join("parafovea"));
-        let entries = folders.filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten();
-        let entries = entries.map(|entry| entry.path());
-        let mut logs: Vec<_> = entries
-            .filter(|path| path.extension().is_some_and(|extension| extension == "log"))
-            .filter_map(|path| Some((fs::metadata(&path).ok()?.modified().ok()?, path)))
-            .collect();
-        logs.sort_by(|one, other| other.cmp(one));
         let stem = file_stem(name)?;
-        logs.iter().find_map(|(_, path)| {
+        logs(environment).iter().find_map(|path| {
             let executable = path.file_stem()?;
             let text = read(path)?;
             let is_executable = executable == stem.as_str();
@@ -71,6 +106,19 @@ impl Names {
                 .then(|| Self { application: application.map(str::to_owned), executable: executable.into() })
         })
     }
+}
+
+/// Paths of all logs, the latest first.
+fn logs(environment: &Environment) -> Vec<PathBuf> {
+    let folders = environment.state_homes().into_iter().map(|state| state.join("parafovea"));
+    let entries = folders.filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten();
+    let entries = entries.map(|entry| entry.path());
+    let mut logs: Vec<_> = entries
+        .filter(|path| path.extension().is_some_and(|extension| extension == "log"))
+        .filter_map(|path| Some((fs::metadata(&path).ok()?.modified().ok()?, path)))
+        .collect();
+    logs.sort_by(|one, other| other.cmp(one));
+    logs.into_iter().map(|(_, path)| path).collect()
 }
 
 /// The application's name in a line of a log.

@@ -21,25 +21,27 @@ const MIN_SIMILARITY: f64 = 0.8;
 ///
 /// # Errors
 ///
-/// The text is not TOML (its first error is reported), or has keys or values that are not allowed (all are reported, ten at most).
+/// The text is not TOML (its first error is reported), or has keys or values that are not allowed (all are reported, ten at most). They tell whether
+/// the text has `enabled = false`.
 pub fn parse(path: &Path, text: &str) -> Result<Config, ConfigErrors> {
     // Editors on Windows put a byte-order mark first.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let errors = match DeTable::parse(text) {
-        Err(error) => vec![syntax_error(text, &error)],
-        Ok(table) => match read(table.get_ref()) {
-            Err(findings) => errors(text, findings),
-            Ok(config) => match misordered(&config, table.get_ref()) {
-                Some(offset) => vec![ConfigError::Misordered {
-                    line: line_of(text, offset),
-                    plateau: config.chroma.plateau_deg,
-                    max: config.chroma.max_eccentricity_deg,
-                }],
-                None => return Ok(config),
-            },
+    let table =
+        DeTable::parse(text).map_err(|error| ConfigErrors::new(path, vec![syntax_error(text, &error)]))?;
+    let table = table.get_ref();
+    let errors = match read(table) {
+        Err(findings) => errors(text, findings),
+        Ok(config) => match misordered(&config, table) {
+            Some(offset) => vec![ConfigError::Misordered {
+                line: line_of(text, offset),
+                plateau: config.chroma.plateau_deg,
+                max: config.chroma.max_eccentricity_deg,
+            }],
+            None => return Ok(config),
         },
     };
-    Err(ConfigErrors::new(path, errors))
+    let turns_off = table.get("enabled").is_some_and(|value| value.get_ref().as_bool() == Some(false));
+    Err(ConfigErrors::of_table(path, errors, turns_off))
 }
 
 /// Something that is not allowed. Cheap to make, since a file can be full of them.

@@ -1,7 +1,6 @@
 //! Noticing that the configuration changed.
 
 use std::fs::{self, Metadata};
-use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
@@ -75,14 +74,8 @@ impl Watch {
     }
 }
 
-/// A place that cannot be looked at for another reason than that it is missing counts as having the file, so
-/// that reading it gives the reason.
 fn look(places: &Places) -> Option<Seen> {
-    let missing = |file: &Path| {
-        fs::metadata(file)
-            .is_err_and(|error| matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory))
-    };
-    let file = places.find(|file| !missing(file))?;
+    let file = places.in_force()?;
     let place = places.files().iter().position(|candidate| candidate == file)?;
     Some(Seen { place, fingerprint: fs::metadata(file).ok().map(Fingerprint::from) })
 }

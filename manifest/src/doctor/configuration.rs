@@ -2,10 +2,10 @@
 
 use super::manifests::anybody_may_write;
 use super::{Finding, Surroundings};
-use crate::config::{Config, Places, load};
+use crate::config::{Config, Places, load, missing_target};
 use crate::options::{AudioSource, GazeSource};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     let (file, config) = in_force(surroundings);
@@ -19,15 +19,18 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
             }
         }
     }
-    for file in all_files(surroundings, file) {
-        if let Err(errors) = load(&file) {
+    for path in all_files(surroundings, &file) {
+        if let Some(target) = missing_target(&path).filter(|_| file.as_ref() != Some(&path)) {
+            findings.push(link_to_nothing(surroundings, &path, &target, file.as_deref()));
+        } else if let Err(errors) = load(&path) {
+            let means = if errors.turns_off() {
+                "The whole file is ignored, except for enabled = false when the game starts."
+            } else {
+                "The whole file is ignored: the previous settings, or the defaults, apply."
+            };
             findings.extend(errors.lines().map(|line| {
-                Finding::problem(
-                    "configuration-wrong",
-                    line,
-                    "The whole file is ignored: the previous settings, or the defaults, apply.",
-                )
-                .advise("correct this line; parafovea config default prints every option")
+                Finding::problem("configuration-wrong", line, means)
+                    .advise("correct this line; parafovea config default prints every option")
             }));
         }
     }
@@ -39,22 +42,49 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
 
 /// The file in force, if there is any, and its configuration, if it is right.
 pub(super) fn in_force(surroundings: &Surroundings) -> (Option<PathBuf>, Option<Config>) {
-    let names = surroundings.application.clone().unwrap_or_default();
-    let places = Places::new(&surroundings.environment, names.application.as_deref(), &names.executable);
-    match places.find(|file| fs::symlink_metadata(file).is_ok()) {
+    match places(surroundings).in_force() {
         None => (None, Some(Config::default())),
         Some(file) => (Some(file.to_owned()), load(file).ok()),
     }
 }
 
-/// The file in force, and the files of all applications.
-fn all_files(surroundings: &Surroundings, in_force: Option<PathBuf>) -> Vec<PathBuf> {
+fn places(surroundings: &Surroundings) -> Places {
+    let names = surroundings.application.clone().unwrap_or_default();
+    Places::new(&surroundings.environment, names.application.as_deref(), &names.executable)
+}
+
+/// A link whose target is missing, in the place of a file.
+fn link_to_nothing(
+    surroundings: &Surroundings,
+    link: &Path,
+    target: &Path,
+    in_force: Option<&Path>,
+) -> Finding {
+    let is_of_application = places(surroundings).files().iter().any(|file| file == link);
+    let next = match in_force {
+        _ if !is_of_application => "the next file for its application applies, or the defaults".to_owned(),
+        Some(next) => format!("{} applies", next.display()),
+        None => "the defaults apply".to_owned(),
+    };
+    Finding::problem(
+        "configuration-link",
+        format!("{} is a link to a missing file, {}", link.display(), target.display()),
+        format!("It counts as no file: {next}."),
+    )
+    .advise("create that file, or remove the link")
+}
+
+/// The file in force, links to missing files in its place, and the files of all applications.
+fn all_files(surroundings: &Surroundings, in_force: &Option<PathBuf>) -> Vec<PathBuf> {
+    let places = places(surroundings);
+    let links = places.files().iter().filter(|file| missing_target(file).is_some()).cloned();
     let apps = surroundings.environment.config_home().map(|home| home.join("parafovea/apps"));
     let entries = apps.and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten().flatten();
     let mut files: Vec<PathBuf> = entries
         .map(|entry| entry.path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
-        .chain(in_force)
+        .chain(in_force.clone())
+        .chain(links)
         .collect();
     files.sort();
     files.dedup();

@@ -1,14 +1,12 @@
-//! Steam's container, and Flatpak: the parts of this machine that games see in them.
+//! Steam's container, Flatpak and snap: the parts of this machine that games see in them.
 //!
 //! Source: pressure-vessel (steam-runtime), which imports Vulkan layers from the system by itself, and OpenXR layers where
 //! `PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS` asks for it; the home folder is visible unchanged.
 
 use super::layers::Layers;
-use super::{Finding, Surroundings};
-use crate::config::offers_gaze;
-use crate::install::plan_install;
+use super::{Finding, Surroundings, flatpak};
 use crate::json::Half;
-use crate::paths::{FLATPAK_STEAM, SNAP_STEAM};
+use crate::paths::SNAP_STEAM;
 use std::path::Path;
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
@@ -25,7 +23,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         );
     }
     let has_steam = [".steam", ".local/share/Steam"].iter().any(|folder| home.join(folder).exists());
-    findings.extend(flatpak_steam(surroundings, &home.join(FLATPAK_STEAM)));
+    findings.extend(flatpak::examine(surroundings));
     findings.extend(snap_steam(&home.join(SNAP_STEAM)));
     if has_steam {
         let mut variables = vec!["PARAFOVEA=1"];
@@ -51,34 +49,6 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         );
     }
     findings
-}
-
-/// Steam as a Flatpak without the layer, or with another build of it.
-fn flatpak_steam(surroundings: &Surroundings, steam: &Path) -> Option<Finding> {
-    if !steam.exists() {
-        return None;
-    }
-    let data = steam.join(".local/share");
-    let is_there = Half::BOTH.iter().all(|half| half.manifest_path(&data).is_file());
-    let differs = surroundings.shipped.as_ref().is_some_and(|shipped| {
-        plan_install(&data, shipped, offers_gaze(&surroundings.environment))
-            .is_ok_and(|steps| !steps.is_empty())
-    });
-    let (found, means) = match (is_there, differs) {
-        (true, false) => return None,
-        (true, true) => (
-            "the Flatpak of Steam has another build of Parafovea",
-            "Its games have their own home folder, which is not updated with yours.",
-        ),
-        (false, _) => (
-            "Steam is installed as a Flatpak",
-            "Its games have their own home folder, where Parafovea is not installed.",
-        ),
-    };
-    Some(Finding::warning("flatpak-steam", found, means).advise(format!(
-        "XDG_DATA_HOME={} parafovea install; so that your settings apply there: flatpak override --user --filesystem=xdg-config/parafovea:ro com.valvesoftware.Steam",
-        data.display()
-    )))
 }
 
 /// Steam as a snap, which sees neither the user's home nor the layers of the system.

@@ -16,7 +16,7 @@ use std::time::SystemTime;
 const SOCKETS: [&str; 2] = ["/proc/net/udp", "/proc/net/udp6"];
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
-    let (found, _) = read_all(&surroundings.environment, SystemTime::now()).unwrap_or_default();
+    let found = read_all(&surroundings.environment, SystemTime::now()).found;
     let running: Vec<Status> =
         found.into_iter().map(|found| found.status).filter(|status| status.inert.is_empty()).collect();
     let mut findings: Vec<Finding> = running

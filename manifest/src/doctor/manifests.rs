@@ -1,7 +1,7 @@
 //! Whether both halves are installed, and are one.
 
 use super::layers::{Layer, Layers, Manifest, UnreadableFolder, Unusable};
-use super::{Finding, Fix, Surroundings};
+use super::{Finding, Fix, Surroundings, flatpak};
 use crate::config::offers_gaze;
 use crate::install::{library_path, plan_install};
 use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
@@ -172,12 +172,17 @@ pub fn installed_elsewhere(surroundings: &Surroundings, data: &Path) -> Vec<Path
 pub fn removal<'a>(surroundings: &Surroundings, manifests: impl IntoIterator<Item = &'a Path>) -> String {
     let home = surroundings.environment.data_home();
     let system = surroundings.system(SYSTEM_DATA);
+    let in_flatpak = flatpak::data(surroundings);
     let mut ways: Vec<String> = Vec::new();
     for manifest in manifests {
-        let way = match manifest {
-            path if home.is_some_and(|home| path.starts_with(home)) => "parafovea uninstall".to_owned(),
-            path if path.starts_with(&system) => surroundings.as_root("uninstall --system"),
-            _ => "the package manager of the system".to_owned(),
+        let way = if home.is_some_and(|home| manifest.starts_with(home)) {
+            "parafovea uninstall".to_owned()
+        } else if manifest.starts_with(&system) {
+            surroundings.as_root("uninstall --system")
+        } else if let Some(data) = in_flatpak.as_deref().filter(|data| manifest.starts_with(data)) {
+            surroundings.with_data(data, "uninstall")
+        } else {
+            "the package manager of the system".to_owned()
         };
         if !ways.contains(&way) {
             ways.push(way);

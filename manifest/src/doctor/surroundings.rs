@@ -66,10 +66,12 @@ impl Surroundings {
 
     /// The command that runs this program as root, whose `PATH` seldom has it.
     pub(super) fn as_root(&self, arguments: &str) -> String {
-        let program = self.program.display().to_string();
-        // The shell takes a quoted path as one word.
-        let program = if program.contains([' ', '\'']) { format!("{program:?}") } else { program };
-        format!("sudo {program} {arguments}")
+        format!("sudo {} {arguments}", word(&self.program))
+    }
+
+    /// The command that runs this program, which may be outside of `PATH`, with another folder for data files.
+    pub(super) fn with_data(&self, data: &Path, arguments: &str) -> String {
+        format!("XDG_DATA_HOME={} {} {arguments}", word(data), word(&self.program))
     }
 
     /// A shared library by its name, as the dynamic linker would probably find it. The linker's own cache is not read: of
@@ -84,4 +86,10 @@ impl Surroundings {
             .map(|folder| folder.join(name))
             .find(|path| path.is_file())
     }
+}
+
+/// A path as one word of a shell.
+fn word(path: &Path) -> String {
+    let path = path.display().to_string();
+    if path.contains([' ', '\'']) { format!("{path:?}") } else { path }
 }

@@ -8,7 +8,9 @@ use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
+mod configuration;
 mod faults;
+mod flatpak;
 mod sound;
 
 /// A machine on which everything is as it should be, until a fault is injected.

@@ -11,8 +11,9 @@ or to `~/.config/parafovea/apps/<application>.toml` for one; [the guide](GUIDE.m
 `rates.mode` is `mode` in the section `[rates]`.
 
 Off switches, from the strongest to the weakest: without the variable `PARAFOVEA`, the loaders do not load the layer; `enabled = false` leaves the
-application unchanged; `preset = \"none\"` turns off every technique that the file does not enable itself; `rates.backend = \"off\"` turns off
-shading rates and re-use, but not chroma attenuation; `rates.gate = \"off\"` drops these two and keeps everything else active, for comparison.
+application unchanged, from its start even if the file has an error elsewhere; `preset = \"none\"` turns off every technique that the file does not
+enable itself; `rates.backend = \"off\"` turns off shading rates and re-use, but not chroma attenuation; `rates.gate = \"off\"` drops these two and
+keeps everything else active, for comparison.
 
 | option | default | allowed | meaning |
 |---|---|---|---|

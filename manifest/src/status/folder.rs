@@ -91,18 +91,36 @@ pub struct Found {
 /// Number of files of applications that ended without removing theirs.
 pub type Gone = usize;
 
-/// Every fresh status of an application, by process, and the number of outdated ones; files that are old for long are removed.
-///
-/// # Errors
-/// A folder exists, but cannot be read.
-pub fn read_all(environment: &Environment, now: SystemTime) -> io::Result<(Vec<Found>, Gone)> {
-    let (mut found, mut gone) = (Vec::new(), 0);
+/// The content of all folders.
+#[derive(Debug, Default)]
+pub struct Statuses {
+    /// Every fresh status of an application, by process.
+    pub found: Vec<Found>,
+    /// The number of outdated ones.
+    pub gone: Gone,
+    /// Folders that exist, but cannot be read.
+    pub unreadable: Vec<UnreadableStatus>,
+}
+
+/// A folder that cannot be read. `Display` is one line that names it.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {error}", path.display())]
+pub struct UnreadableStatus {
+    /// Its path.
+    pub path: PathBuf,
+    /// The error of the system.
+    pub error: io::Error,
+}
+
+/// Reads every status; files that are old for long are removed.
+pub fn read_all(environment: &Environment, now: SystemTime) -> Statuses {
+    let Statuses { mut found, mut gone, mut unreadable } = Statuses::default();
     let mut paths = Vec::new();
     for folder in environment.status_folders() {
         match fs::read_dir(&folder) {
             Ok(entries) => paths.extend(entries.flatten().map(|entry| (folder.clone(), entry.path()))),
             Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {}
-            Err(error) => return Err(error),
+            Err(error) => unreadable.push(UnreadableStatus { path: folder, error }),
         }
     }
     for (folder, path) in paths {
@@ -125,7 +143,7 @@ pub fn read_all(environment: &Environment, now: SystemTime) -> io::Result<(Vec<F
         }
     }
     found.sort_by_key(|found| found.status.pid);
-    Ok((found, gone))
+    Statuses { found, gone, unreadable }
 }
 
 fn read(path: &Path, now: SystemTime) -> Option<(Status, Duration)> {
@@ -142,11 +160,18 @@ mod tests {
     use super::*;
     use crate::paths::FLATPAK_STEAM;
     use crate::status::{Decision, Topic};
-    use std::os::unix::fs::PermissionsExt;
+    use std::os::unix::fs::{PermissionsExt, symlink};
     use tempfile::TempDir;
 
     fn environment(folder: &TempDir) -> Environment {
         Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.path().into()))
+    }
+
+    /// Statuses of folders that can all be read.
+    fn read(environment: &Environment, now: SystemTime) -> (Vec<Found>, Gone) {
+        let Statuses { found, gone, unreadable } = read_all(environment, now);
+        assert!(unreadable.is_empty(), "{unreadable:?}");
+        (found, gone)
     }
 
     fn status(pid: u32) -> Status {
@@ -166,19 +191,19 @@ mod tests {
         let runtime = TempDir::new().unwrap();
         let environment = environment(&runtime);
         let now = SystemTime::now();
-        assert_eq!(read_all(&environment, now).unwrap(), (Vec::new(), 0));
+        assert_eq!(read(&environment, now), (Vec::new(), 0));
         let [one, other] = [7, 3].map(|pid| StatusFile::new(&environment, pid).unwrap().unwrap());
         one.write(&status(7)).unwrap();
         other.write(&status(1)).unwrap();
         other.write(&status(3)).unwrap();
-        let (found, gone) = read_all(&environment, now).unwrap();
+        let (found, gone) = read(&environment, now);
         assert_eq!(
             found.iter().map(|found| found.status.clone()).collect::<Vec<_>>(),
             [status(3), status(7)]
         );
         assert_eq!(gone, 0);
         drop(one);
-        assert_eq!(read_all(&environment, now).unwrap().0.len(), 1);
+        assert_eq!(read(&environment, now).0.len(), 1);
         drop(other);
         assert_eq!(fs::read_dir(runtime.path().join("parafovea")).unwrap().count(), 0);
     }
@@ -197,13 +222,13 @@ mod tests {
         let (host, game) = (of("run", ""), of("run of the container", "pressure-vessel"));
         let file = StatusFile::new(&game, 7).unwrap().unwrap();
         file.write(&Status { executable: "game".to_owned(), ..status(7) }).unwrap();
-        let (found, _) = read_all(&host, SystemTime::now()).unwrap();
+        let (found, _) = read(&host, SystemTime::now());
         let log = folder.path().join("home/.local/state/parafovea/game.log");
         assert_eq!(found.iter().map(|found| found.log.clone()).collect::<Vec<_>>(), [Some(log)]);
         view::ask_view(&host, 7, Some(crate::options::DebugView::Gaze)).unwrap();
         assert_eq!(view::AskedView::new(&game, 7).look(), Some(crate::options::DebugView::Gaze));
         drop(file);
-        assert_eq!(read_all(&host, SystemTime::now()).unwrap().0, []);
+        assert_eq!(read(&host, SystemTime::now()).0, []);
     }
 
     #[test]
@@ -219,9 +244,29 @@ mod tests {
         };
         let file = StatusFile::new(&of(&flatpak, "pressure-vessel"), 7).unwrap().unwrap();
         file.write(&Status { executable: "game".to_owned(), ..status(7) }).unwrap();
-        let (found, _) = read_all(&of(home.path(), ""), SystemTime::now()).unwrap();
+        let (found, _) = read(&of(home.path(), ""), SystemTime::now());
         let log = flatpak.join(".local/state/parafovea/game.log");
         assert_eq!(found.iter().map(|found| found.log.clone()).collect::<Vec<_>>(), [Some(log)]);
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_read_is_named_and_hides_no_other() {
+        let folder = TempDir::new().unwrap();
+        let environment = Environment::new(false, |name| match name {
+            "HOME" => Some(folder.path().into()),
+            "XDG_RUNTIME_DIR" => Some(folder.path().join("run").into()),
+            _ => None,
+        });
+        let file = StatusFile::new(&environment, 7).unwrap().unwrap();
+        file.write(&status(7)).unwrap();
+        // Not even root can read a link to itself.
+        let shared = folder.path().join(".local/state/parafovea/running");
+        fs::create_dir_all(shared.parent().unwrap()).unwrap();
+        symlink(&shared, &shared).unwrap();
+        let Statuses { found, unreadable, .. } = read_all(&environment, SystemTime::now());
+        assert_eq!(found.len(), 1);
+        let [fault] = unreadable.as_slice() else { panic!("{unreadable:?}") };
+        assert!(fault.to_string().starts_with(&format!("{}: Too many levels", shared.display())), "{fault}");
     }
 
     #[test]
@@ -240,9 +285,9 @@ mod tests {
         let file = StatusFile::new(&environment, 7).unwrap().unwrap();
         file.write(&status(7)).unwrap();
         let later = |seconds| SystemTime::now() + Duration::from_secs(seconds);
-        assert_eq!(read_all(&environment, later(FRESH_S + 1)).unwrap(), (Vec::new(), 1));
-        assert_eq!(read_all(&environment, later(3600)).unwrap(), (Vec::new(), 1));
-        assert_eq!(read_all(&environment, later(3600)).unwrap(), (Vec::new(), 0));
+        assert_eq!(read(&environment, later(FRESH_S + 1)), (Vec::new(), 1));
+        assert_eq!(read(&environment, later(3600)), (Vec::new(), 1));
+        assert_eq!(read(&environment, later(3600)), (Vec::new(), 0));
     }
 
     #[test]
@@ -254,7 +299,7 @@ mod tests {
         fs::write(folder.join("2.json"), "{").unwrap();
         fs::write(folder.join("3"), "{}").unwrap();
         fs::write(folder.join("4.json"), "{\"pid\": 4, \"of_a_later_version\": 1}").unwrap();
-        let (found, _) = read_all(&environment(&runtime), SystemTime::now()).unwrap();
+        let (found, _) = read(&environment(&runtime), SystemTime::now());
         assert_eq!(found.iter().map(|found| found.status.pid).collect::<Vec<_>>(), [4]);
     }
 

@@ -32,6 +32,9 @@ case ${1-} in
     ;;
 esac
 
+# A second installation is refused, before any file is copied.
+"$here/bin/parafovea" install --dry-run >/dev/null
+
 for file in $files; do
     if [ ! -e "$here/$file" ]; then
         rm -f -- "$prefix/$file"

@@ -193,7 +193,7 @@ impl System {
         let folder = self.root.join("run/monado");
         let environment =
             Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.clone().into()));
-        let (found, _) = read_all(&environment, SystemTime::now()).ok()?;
+        let found = read_all(&environment, SystemTime::now()).found;
         found.into_iter().next().map(|found| found.status)
     }
 

@@ -158,7 +158,7 @@ impl Player {
         let folder = self.running.runtime_folder();
         let environment =
             Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.clone().into()));
-        let (found, _) = read_all(&environment, SystemTime::now()).ok()?;
+        let found = read_all(&environment, SystemTime::now()).found;
         found.into_iter().next().map(|found| found.status)
     }
 

@@ -1,6 +1,6 @@
 //! `parafovea gaze recentre` and `parafovea gaze calibrate`.
 
-use crate::status::{read, shown_view, with_folder};
+use crate::status::{complain, read, shown_view, with_folder};
 use parafovea_manifest::gaze_correction::{GazeCalibration, GazeCorrection};
 use parafovea_manifest::options::DebugView;
 use parafovea_manifest::paths::Environment;
@@ -101,8 +101,9 @@ fn measured(
     kind: GazeMeasurement,
     application: Option<&str>,
 ) -> Result<String, String> {
-    let found = read(environment, application).map_err(|error| error.to_string())?.0;
-    let Status { pid, debug_view, .. } = &chosen(found)?;
+    let statuses = read(environment, application);
+    complain(&statuses.unreadable);
+    let Status { pid, debug_view, .. } = &chosen(statuses.found)?;
     let interrupted = interruption().map_err(|error| format!("signals cannot be handled: {error}"))?;
     let before = debug_view.is_asked.then(|| DebugView::of_name(&debug_view.name)).flatten();
     crate::print(match kind {
@@ -190,7 +191,7 @@ fn ask(
 }
 
 fn status_of(environment: &Environment, pid: u32) -> Result<Status, String> {
-    let found = read(environment, Some(&pid.to_string())).map_err(|error| error.to_string())?.0;
+    let found = read(environment, Some(&pid.to_string())).found;
     found.into_iter().next().map(|found| found.status).ok_or_else(|| "the application ended".to_owned())
 }
 

@@ -22,6 +22,8 @@ pub struct Target {
     pub name: String,
     /// Its names; `None` for all applications.
     names: Option<Names>,
+    /// Whether it has run with Parafovea.
+    has_run: bool,
 }
 
 /// An existing file.
@@ -48,15 +50,16 @@ impl Files {
     /// The name cannot be used.
     pub fn target(&self, name: &str) -> Result<Target, Failure> {
         if name == ALL {
-            return Ok(Target { name: name.to_owned(), names: None });
+            return Ok(Target { name: name.to_owned(), names: None, has_run: true });
         }
-        let names = match Names::known(&self.environment, name, SystemTime::now()) {
-            Some(names) => names,
-            None if name.contains('/') => return Err(Failure::IsPath(name.to_owned())),
-            None => Names::unknown(name),
-        };
+        let known = Names::known(&self.environment, name, SystemTime::now());
+        if known.is_none() && name.contains('/') {
+            return Err(Failure::IsPath(name.to_owned()));
+        }
         file_stem(name).ok_or_else(|| Failure::NoName(name.to_owned()))?;
-        Ok(Target { name: name.to_owned(), names: Some(names) })
+        let has_run = known.is_some();
+        let names = known.unwrap_or_else(|| Names::unknown(name));
+        Ok(Target { name: name.to_owned(), names: Some(names), has_run })
     }
 
     /// The file that is to be changed for an application: the first of its own files that exists, else a new one by the name that was typed.
@@ -78,7 +81,7 @@ impl Files {
     pub fn in_force(&self, target: &Target) -> Option<PathBuf> {
         let names = target.names.clone().unwrap_or_default();
         let places = Places::new(&self.environment, names.application.as_deref(), &names.executable);
-        places.find(exists).map(Path::to_owned)
+        places.in_force().map(Path::to_owned)
     }
 
     /// The rest of a sentence about a file that was copied for an application: whether it still applies to that.
@@ -97,6 +100,20 @@ impl Files {
             "Without effect for now: PARAFOVEA_CONFIG is set, and its file, {}, applies instead.\n",
             other.display()
         ))
+    }
+
+    /// A line about a name that no application has had so far, which may be misspelt; `None` for a known one.
+    pub fn unknown(&self, target: &Target) -> Option<String> {
+        if target.has_run {
+            return None;
+        }
+        let similar = Names::similar(&self.environment, &target.name, SystemTime::now());
+        let similar: Vec<String> = similar.iter().map(|name| format!("{name:?}")).collect();
+        let similar = match similar.as_slice() {
+            [] => String::new(),
+            names => format!("; similar names: {}", names.join(", ")),
+        };
+        Some(format!("No application of this name has run with Parafovea yet{similar}.\n"))
     }
 
     /// Existing files: of single applications by name, then of all.

@@ -1,10 +1,10 @@
 //! `parafovea status --view`.
 
-use super::read;
+use super::{complain, read};
 use clap::builder::PossibleValuesParser;
 use parafovea_manifest::options::DebugView;
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{FRESH_S, Found, Status, ask_view};
+use parafovea_manifest::status::{FRESH_S, Found, Status, Statuses, ask_view};
 use std::process::ExitCode;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -26,13 +26,8 @@ pub fn parser() -> PossibleValuesParser {
 /// Requests the view from the applications, and prints the outcome for each.
 pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> ExitCode {
     let view = DebugView::of_name(name);
-    let found = match read(environment, application) {
-        Ok((found, _)) => found,
-        Err(error) => {
-            eprintln!("parafovea: {error}");
-            return ExitCode::FAILURE;
-        }
-    };
+    let Statuses { found, unreadable, .. } = read(environment, application);
+    complain(&unreadable);
     if found.is_empty() {
         let which = application.map_or("no running application".to_owned(), |name| {
             format!("no running application named {name}")
@@ -66,7 +61,7 @@ pub fn shown_view(
     }
     let begin = Instant::now();
     loop {
-        let found = read(environment, Some(&asked.pid.to_string())).map_err(|error| error.to_string())?.0;
+        let found = read(environment, Some(&asked.pid.to_string())).found;
         let Some(Found { status, .. }) = found.into_iter().next() else {
             return Err("the application ended".to_owned());
         };

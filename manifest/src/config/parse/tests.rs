@@ -274,3 +274,30 @@ fn told_well(text: &str) -> Result<(), TestCaseError> {
     }
     Ok(())
 }
+
+/// The off switch works with the key of a later version, or with a slip, in the same file.
+#[test]
+fn a_file_with_errors_can_turn_the_layer_off() {
+    for text in [
+        "enabled = false\nof_a_later_version = 1\n",
+        "gaze.hold_ms = 9999\nenabled = false\n",
+        "enabled = false\n[chroma]\nplateau_deg = 30\nmax_eccentricity_deg = 20\n",
+        "\u{feff}preset = 1\nenabled = false",
+    ] {
+        let errors = parse(Path::new("x"), text).unwrap_err();
+        assert!(errors.turns_off(), "{text}");
+        assert_eq!(errors.at_start(), Config { enabled: false, ..Config::default() });
+    }
+    for text in [
+        "enabled = true\nunknown = 1\n",
+        "unknown = 1\n",
+        "enabled = 'false'\n",
+        "gaze.enabled = false\n",
+        "enabled = false\nenabled = false\n",
+        "enabled = false\n= 1\n",
+    ] {
+        let errors = parse(Path::new("x"), text).unwrap_err();
+        assert!(!errors.turns_off(), "{text}");
+        assert_eq!(errors.at_start(), Config::default());
+    }
+}

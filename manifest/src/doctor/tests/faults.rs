@@ -370,7 +370,7 @@ const FAULTS: &[Fault] = &[
     ("no folder for logs", |machine| machine.put("home/.local/state", ""), &["no-log"], false),
     (
         "Steam in a Flatpak",
-        |machine| machine.put("home/.var/app/com.valvesoftware.Steam/cache", ""),
+        |machine| machine.put("var/lib/flatpak/app/com.valvesoftware.Steam/current/active/metadata", ""),
         &["flatpak-steam"],
         false,
     ),
@@ -532,18 +532,6 @@ fn an_installation_of_the_system_is_not_repaired_in_the_home() {
     assert_eq!(fixes(&machine), [("no-eye-tracker", false), ("gaze-not-listed", false)]);
     machine.remove(&Half::Vulkan.manifest_path(&machine.path("usr/share")));
     assert!(fixes(&machine).contains(&("manifest-missing", false)), "{:?}", fixes(&machine));
-}
-
-#[test]
-fn an_outdated_layer_in_steams_flatpak_is_found() {
-    let machine = Machine::new();
-    let data = machine.path("home/.var/app/com.valvesoftware.Steam/.local/share");
-    for step in plan_install(&data, &machine.path("build/libparafovea.so"), false).unwrap() {
-        step.apply().unwrap();
-    }
-    assert_eq!(machine.ids(), [""; 0]);
-    write(&library_path(&data), &library("0"));
-    assert_eq!(machine.ids(), ["flatpak-steam"]);
 }
 
 /// As the Vulkan loader reads its filters: a space is part of a word, and only one of the variables knows all implicit layers.

@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod profile;
+mod status;
+
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Status, StatusFile};
 use std::fs;
@@ -200,134 +203,6 @@ exit 1
 }
 
 #[test]
-fn a_profile_is_changed_by_the_command_as_by_hand() {
-    let home = TempDir::new().unwrap();
-    let profile = |arguments: &[&str]| parafovea(home.path(), &[&["profile"], arguments].concat());
-    let file = |name: &str| fs::read_to_string(home.path().join(".config/parafovea").join(name)).unwrap();
-    printed(&profile(&["set", "all", "preset", "performance"]));
-    assert_eq!(file("config.toml"), "preset = \"performance\"\n");
-
-    let mode = || fs::metadata(home.path().join(".config/parafovea/config.toml")).unwrap().permissions();
-    fs::set_permissions(home.path().join(".config/parafovea/config.toml"), fs::Permissions::from_mode(0o600))
-        .unwrap();
-    printed(&profile(&["set", "all", "preset", "performance"]));
-    assert_eq!(mode().mode() & 0o7777, 0o600, "the file keeps its permissions");
-
-    let said = printed(&profile(&["set", "game", "chroma.mode", "default"]));
-    assert!(said.contains("which no longer applies to game"), "{said}");
-    assert_eq!(file("apps/game.toml"), "preset = \"performance\"\n\n[chroma]\nmode = \"default\"\n");
-    let shown = printed(&profile(&["show", "game"]));
-    for line in [
-        "preset = \"performance\"  # set in this file",
-        "rates.transitional_deg = 18.39  # from preset \"performance\"",
-        "chroma.mode = \"default\"  # set in this file",
-    ] {
-        assert!(shown.lines().any(|found| found == line), "{line} in\n{shown}");
-    }
-    assert!(!shown.contains("gaze.source"));
-    assert!(
-        printed(&profile(&["show", "game", "--effective"])).contains("gaze.source = \"auto\"  # default")
-    );
-
-    let before = file("apps/game.toml");
-    let refused = complained(&profile(&["set", "game", "chroma.plateau_deg", "wide"]));
-    assert!(
-        refused.contains("chroma.plateau_deg = \"wide\" is not allowed; allowed: a number from 1.1"),
-        "{refused}"
-    );
-    assert!(
-        complained(&profile(&["set", "game", "plateau_deg", "7"]))
-            .contains("did you mean chroma.plateau_deg?")
-    );
-    assert_eq!(file("apps/game.toml"), before);
-    printed(&profile(&["unset", "game", "chroma.mode"]));
-    assert_eq!(file("apps/game.toml"), "preset = \"performance\"\n\n[chroma]\n");
-
-    let said = printed(&profile(&["unset", "other", "rates.peripheral"]));
-    assert!(said.contains("is not set for other"), "{said}");
-    assert!(!home.path().join(".config/parafovea/apps/other.toml").exists());
-
-    for (key, value) in [("audio.least_lufs", "-30"), ("gaze.offset_deg", "-1.5,0.5")] {
-        printed(&profile(&["set", "all", key, value]));
-    }
-    let said = printed(&profile(&["new", "sim", "flight-simulator"]));
-    assert!(said.contains("which no longer applies to sim"), "{said}");
-    let shown = printed(&profile(&["show", "sim"]));
-    for setting in [
-        "preset = \"performance\"",
-        "audio.least_lufs = -30.0",
-        "gaze.offset_deg = \"-1.5, 0.5\"",
-        "rates.foveal_deg = 20.0",
-    ] {
-        assert!(shown.contains(&format!("{setting}  # set in this file")), "{setting} in\n{shown}");
-    }
-    assert!(complained(&profile(&["new", "sim", "proton"])).contains("already exists"));
-    let listed = printed(&profile(&["list"]));
-    let names: Vec<_> = listed.lines().filter(|line| !line.starts_with(' ')).collect();
-    assert_eq!(names[..3], ["game", "sim", "all others"], "{listed}");
-    assert!(profile(&["validate"]).status.success());
-    fs::write(home.path().join(".config/parafovea/apps/sim.toml"), "[chroma]\nmode = 1\n").unwrap();
-    assert!(complained(&profile(&["validate"])).contains("sim.toml: line 2: chroma.mode = 1"));
-    let shown = complained(&profile(&["show", "sim"]));
-    assert!(shown.contains("the file has errors") && !shown.contains("changed"), "{shown}");
-}
-
-/// Settings of `Game.exe`, which is "My Game" for OpenXR, have one file, whichever name is typed.
-#[test]
-fn both_names_of_an_application_lead_to_its_one_profile() {
-    let home = TempDir::new().unwrap();
-    let folder = home.path().join(".config/parafovea");
-    let logs = home.path().join(".local/state/parafovea");
-    fs::create_dir_all(&logs).unwrap();
-    fs::write(
-        logs.join("Game.exe.log"),
-        "2026-01-02T03:04:05.678+01:00 77 INFO  OpenXR instance of \"My Game\"\n",
-    )
-    .unwrap();
-    let profile = |arguments: &[&str]| parafovea(home.path(), &[&["profile"], arguments].concat());
-    for [first, second] in [["Game.exe", "My Game"], ["My Game", "Game.exe"]] {
-        let file = folder.join(format!("apps/{first}.toml"));
-        printed(&profile(&["set", first, "rates.foveal_deg", "20.0"]));
-        let said = printed(&profile(&["set", second, "chroma.mode", "default"]));
-        assert!(said.starts_with(&file.display().to_string()), "{said}");
-        let text = fs::read_to_string(&file).unwrap();
-        assert!(text.contains("foveal_deg = 20.0") && text.contains("mode = \"default\""), "{text}");
-        assert_eq!(fs::read_dir(folder.join("apps")).unwrap().count(), 1);
-        assert!(complained(&profile(&["new", second, "proton"])).contains("already exists"));
-        let shown = printed(&profile(&["show", second]));
-        assert!(shown.contains("rates.foveal_deg = 20.0  # set in this file"), "{shown}");
-        let checked = printed(&parafovea(home.path(), &["doctor", "--verbose", second]));
-        assert!(checked.contains(&format!("configuration: {}", file.display())), "{checked}");
-        fs::remove_file(file).unwrap();
-    }
-}
-
-#[test]
-fn a_profile_that_no_game_would_read_is_named_or_refused() {
-    let home = TempDir::new().unwrap();
-    let path = complained(&parafovea(home.path(), &["profile", "set", "/opt/game", "enabled", "true"]));
-    assert!(path.contains("/opt/game is a path"), "{path}");
-    assert!(!home.path().join(".config").exists());
-
-    let other = home.path().join("other.toml");
-    fs::write(&other, "preset = \"quality\"\n").unwrap();
-    for application in ["game", "all", "game"] {
-        let said = Command::new(env!("CARGO_BIN_EXE_parafovea"))
-            .args(["profile", "set", application, "chroma.mode", "default"])
-            .env_clear()
-            .env("HOME", home.path())
-            .env("PARAFOVEA_CONFIG", &other)
-            .output()
-            .unwrap();
-        let said = printed(&said);
-        let shadow = format!("PARAFOVEA_CONFIG is set, and its file, {}, applies", other.display());
-        assert!(said.contains(&shadow) && !said.contains("no longer"), "{said}");
-    }
-    let without = printed(&parafovea(home.path(), &["profile", "set", "game", "chroma.mode", "off"]));
-    assert!(!without.contains("effect"), "{without}");
-}
-
-#[test]
 fn a_full_disk_is_a_failure_and_a_reader_that_ends_is_none() {
     let home = TempDir::new().unwrap();
     let run = |script: &str| {
@@ -414,6 +289,35 @@ fn a_second_installation_is_refused() {
     // A Flatpak does not see the system's.
     let flatpak = install(".var/app/com.valvesoftware.Steam/.local/share");
     assert!(flatpak.status.success(), "{flatpak:?}");
+}
+
+/// Steam from Flatpak has a copy of its own, which the host's command does not remove.
+#[test]
+fn a_copy_that_remains_in_the_flatpak_of_steam_is_named() {
+    let home = home_with_library();
+    let flatpak = home.path().join(".var/app/com.valvesoftware.Steam/.local/share");
+    let run = |data: &Path, arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_parafovea"));
+        command.args(arguments).env_clear().env("HOME", home.path()).env("XDG_DATA_HOME", data);
+        printed(&command.current_dir(home.path()).output().unwrap())
+    };
+    let host = home.path().join(".local/share");
+    for data in [&host, &flatpak] {
+        run(data, &["install", "--library", "built.so"]);
+    }
+    let said = run(&host, &["uninstall"]);
+    let last = said.lines().last().unwrap();
+    let [manifest, layer] = ["vulkan/implicit_layer.d", "openxr/1/api_layers/implicit.d"]
+        .map(|folder| flatpak.join(folder).join("parafovea.json").display().to_string());
+    assert!(
+        last.starts_with("still installed: ") && last.contains(&manifest) && last.contains(&layer),
+        "{said}"
+    );
+    let command =
+        format!("XDG_DATA_HOME={} {} uninstall", flatpak.display(), env!("CARGO_BIN_EXE_parafovea"));
+    assert!(last.ends_with(&format!("; to remove it: {command}")), "{said}");
+    assert!(!run(&flatpak, &["uninstall"]).contains("still installed"));
+    assert_eq!(run(&host, &["uninstall"]), "not installed\n");
 }
 
 /// As over SSH: games in containers have their state in the home.
