@@ -22,7 +22,7 @@ const OVERRIDE: &str = "flatpak override --user --filesystem=xdg-config/parafove
 
 /// The folder for data files in the home of Steam's Flatpak.
 pub(super) fn data(surroundings: &Surroundings) -> Option<PathBuf> {
-    Some(surroundings.home()?.join(FLATPAK_STEAM).join(".local/share"))
+    Some(surroundings.environment.home()?.join(FLATPAK_STEAM).join(".local/share"))
 }
 
 /// Manifests of the copy in Steam's Flatpak, which is installed and removed by commands of its own.
@@ -63,7 +63,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Option<Finding> {
 /// The user's settings, if games of Steam's Flatpak neither see them nor have any of their own.
 fn settings_hidden(surroundings: &Surroundings) -> Option<Finding> {
     let settings = surroundings.environment.config_home()?.join("parafovea");
-    let own = surroundings.home()?.join(FLATPAK_STEAM).join(".config/parafovea");
+    let own = surroundings.environment.home()?.join(FLATPAK_STEAM).join(".config/parafovea");
     let has_files = |folder: &Path| fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     if !has_files(&settings) || has_files(&own) || is_shared(surroundings, &settings) {
         return None;
@@ -94,7 +94,7 @@ fn grant(entry: &str) -> String {
 
 /// Path of a place as Flatpak names it; `None` for places other than the user's (Flatpak, "Sandbox Permissions").
 fn place(surroundings: &Surroundings, name: &str) -> Option<PathBuf> {
-    let home = surroundings.home()?;
+    let home = surroundings.environment.home()?;
     match name.split_once('/').unwrap_or((name, "")) {
         ("host", "") => Some("/".into()),
         ("home", "") => Some(home.to_owned()),
