@@ -79,6 +79,19 @@ impl FixedFoveation {
         Self { peripheral, ..self }
     }
 
+    /// This map, nowhere coarser than the periphery of another, and with its radii at least.
+    pub fn limited_by(self, other: &Self) -> Self {
+        Self {
+            foveal_deg: self.foveal_deg.max(other.foveal_deg),
+            transitional_deg: self.transitional_deg.max(other.transitional_deg),
+            peripheral: if other.peripheral.octaves() < self.peripheral.octaves() {
+                other.peripheral
+            } else {
+                self.peripheral
+            },
+        }
+    }
+
     /// The area rate at an eccentricity in degrees, 1/16..=1, not rising with it.
     ///
     /// 1 if eccentricity or a radius is NaN: an unknown position is treated as at the gaze.

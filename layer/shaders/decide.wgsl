@@ -30,6 +30,8 @@ struct DecideParams {
     flat_contrast: f32,
     measured_depth: vec3<f32>,
     is_marginal: u32,
+    axis_tile: vec2<u32>,
+    unused: vec2<u32>,
 }
 
 // perception::TileContrast
@@ -293,9 +295,10 @@ fn level_at(chord: f32, rings: vec4<f32>) -> u32 {
 }
 
 // Whether a tile is shaded at 1x1 in this frame to measure its contrast.
-fn is_full_rate_frame(index: u32) -> bool {
-    return params.full_rate_period > 0u
-        && ((index * 0x9e3779b1u) >> 8u) % max(params.full_rate_period, 1u) == params.full_rate_phase;
+fn is_full_rate_frame(tile: vec2<u32>) -> bool {
+    let away = tile - params.axis_tile;
+    let phase = (away.x * 0x9e3779b1u + away.y * 0x85ebca6bu) >> 8u;
+    return params.full_rate_period > 0u && phase % max(params.full_rate_period, 1u) == params.full_rate_phase;
 }
 
 fn contrast_of(tile: vec2<u32>) -> TileContrast {
@@ -369,7 +372,6 @@ fn decided(tile: vec2<u32>, middle: vec2<f32>, chord: f32, before: Tile, sensiti
     var keep = level_at(chord, params.ring_chords);
     var grow = level_at(chord, params.coarsening_chords);
     if sensitivity != RINGS_ONLY {
-        let index = tile.y * params.tiles.x + tile.x;
         let shown = shown_by(tile, is_turned);
         var visible = vec2(0.0);
         let removed = shown.bands.x + shown.bands.y;
@@ -382,7 +384,7 @@ fn decided(tile: vec2<u32>, middle: vec2<f32>, chord: f32, before: Tile, sensiti
         grow = min(grow, level_within(visible, params.coarsening_budget));
         // Contrast that is not a number in one octave is not to be trusted in the others.
         let is_sound = shown.is_known && is_finite(shown.bands.z + shown.bands.w);
-        if (is_steady && is_full_rate_frame(index)) || !is_sound {
+        if (is_steady && is_full_rate_frame(tile)) || !is_sound {
             keep = 0u;
         }
     }

@@ -77,6 +77,11 @@ uniform! {
         pub measured_depth: [f32; 3],
         /// 1 where budgets are prices of a sample, [`Allocation::EqualMarginalLoss`]; 0 where each tile may lose them.
         pub is_marginal: u32,
+        /// Column and row of the tile corner nearest to the view's axis, modulo 2^32: frames at full rate are chosen by the distance from it,
+        /// which a direction has in both eyes of parallel displays, to within a tile.
+        pub axis_tile: [u32; 2],
+        /// Always 0.
+        pub unused: [u32; 2],
     }
 }
 
@@ -93,7 +98,17 @@ impl DecideParams {
     pub fn with_full_rate_period(mut self, every: u32, frame: u64) -> Self {
         self.full_rate_period = every;
         self.full_rate_phase = frame.checked_rem(every.into()).unwrap_or(0) as u32;
+        self.axis_tile = self.axis_tile();
         self
+    }
+
+    fn axis_tile(&self) -> [u32; 2] {
+        [0, 1].map(|axis| {
+            let pixel = -self.plane_origin[axis] / self.plane_step[axis] + self.overhang[axis] as f32;
+            let tile = (pixel / self.texel[axis] as f32).round();
+            // A view beside its axis has negative tiles; without a step there is none.
+            (tile as i32).cast_unsigned()
+        })
     }
 
     /// With contrast that was measured while the view was `measured`, for a view that is `now` in this frame: distant content moves within
@@ -162,7 +177,10 @@ impl DecideParams {
 
     /// Whether tile `index`, counted row by row, is shaded at 1x1 in this frame to measure its contrast. Neighbours have different frames.
     fn is_full_rate_frame(&self, index: u32) -> bool {
-        let phase = index.wrapping_mul(0x9e37_79b1) >> 8;
+        let [columns, _] = self.tiles.map(|count| count.max(1));
+        let [column, row] = [index % columns, index / columns];
+        let [right, down] = [column.wrapping_sub(self.axis_tile[0]), row.wrapping_sub(self.axis_tile[1])];
+        let phase = right.wrapping_mul(0x9e37_79b1).wrapping_add(down.wrapping_mul(0x85eb_ca6b)) >> 8;
         phase.checked_rem(self.full_rate_period) == Some(self.full_rate_phase)
     }
 }

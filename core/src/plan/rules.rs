@@ -90,7 +90,7 @@ impl FrameRules {
         let fixed =
             map.map_or(RateLimit::FULL_RATE, |map| rate_limit(settings, ring_map(settings, map), &safety));
         let first = by_contrast.unwrap_or(fixed).rings.from_deg()[0];
-        let least_deg = settings.safety.least_foveal_deg;
+        let least_deg = settings.safety.least_foveal_deg + safety.vergence_deg;
         reasons.insert_if(least_deg > 0.0 && first == least_deg + safety.inflation_deg, Reason::LeastFovea);
         Self {
             safety,
@@ -165,6 +165,8 @@ impl FrameRules {
             }),
             measured_depth: [0.0; 3],
             is_marginal: model.is_some_and(|model| model.allocation == Allocation::EqualMarginalLoss).into(),
+            axis_tile: [0; 2],
+            unused: [0; 2],
         }
     }
 }
@@ -174,7 +176,8 @@ fn ring_map(settings: &PlanSettings, map: &FixedFoveation) -> Rings {
 }
 
 fn rate_limit(settings: &PlanSettings, rings: Rings, safety: &FrameSafety) -> RateLimit {
-    let rings = rings.widened(settings.safety.least_foveal_deg, safety.inflation_deg);
+    let least_deg = settings.safety.least_foveal_deg + safety.vergence_deg;
+    let rings = rings.widened(least_deg, safety.inflation_deg);
     RateLimit { rings, coarsening: rings.widened(0.0, safety.hysteresis_deg), budget: None }
 }
 

@@ -4,7 +4,7 @@ use super::reasons::{Reason, Reasons};
 use super::rings::STEPS_PER_OCTAVE;
 use super::settings::SafetySettings;
 use crate::gaze::{GazePhase, GazeState, foveal_inflation_deg};
-use crate::geometry::unit_direction;
+use crate::geometry::{eccentricity, unit_direction};
 use crate::rate::ShadingRate;
 use glam::Vec3;
 
@@ -18,6 +18,8 @@ pub(super) struct FrameSafety {
     pub(super) area: Area,
     /// Enlargement of every radius, degrees, 0..=180.
     pub(super) inflation_deg: f32,
+    /// Enlargement of the least fovea where the vergence of the eyes is assumed, degrees, 0..=180.
+    pub(super) vergence_deg: f32,
     /// Distance outside of its ring from which on a tile may become coarser, degrees.
     pub(super) hysteresis_deg: f32,
     /// Most that a tile may become coarser, in [`STEPS_PER_OCTAVE`].
@@ -65,6 +67,7 @@ impl SafetyState {
         reasons.insert_if(area == Area::Nowhere, Reason::GazeInvalid);
         reasons.insert_if(lost, Reason::GazeLost);
         reasons.insert_if(trust < 1.0 && matches!(area, Area::AroundGaze(_)), Reason::GazeFading);
+        let inflation_deg = if lost { 0.0 } else { inflation_deg(settings, gaze, trust) };
         let seconds = self.elapsed_s(time_ns, reasons);
         let speed = match by_contrast {
             _ if gaze.is_suppressed => settings.suppressed_octaves_per_s,
@@ -73,7 +76,8 @@ impl SafetyState {
         };
         FrameSafety {
             area,
-            inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
+            inflation_deg,
+            vergence_deg: vergence_deg(gaze, area, settings.least_foveal_deg + inflation_deg),
             hysteresis_deg: hysteresis_deg(settings, gaze),
             elapsed_ms: (seconds * 1e3) as u32,
             coarsening: self.coarsening(
@@ -127,6 +131,15 @@ fn inflation_deg(settings: &SafetySettings, gaze: &GazeState, trust: f32) -> f32
     let base = settings.least_foveal_deg;
     let radius = foveal_inflation_deg(base, settings.tracker_error_deg, gaze.motion_deg(settings.latency_s));
     (radius - base + (1.0 - trust) * 180.0).clamp(0.0, 180.0)
+}
+
+/// Enlargement of a fovea of `fovea_deg` around the directions of both eyes, so that it reaches as far from the ray between them: with an
+/// assumed vergence, both eyes may look along that ray, and two circles are narrower between their centres (spherical law of cosines).
+fn vergence_deg(gaze: &GazeState, area: Area, fovea_deg: f32) -> f32 {
+    let (Some(_), Area::AroundGaze([left, right])) = (gaze.ray, area) else { return 0.0 };
+    let half_apart = eccentricity(left, right) / 2.0;
+    let reach_deg = (fovea_deg.to_radians().cos() * half_apart.cos()).acos().to_degrees();
+    if fovea_deg < 90.0 { (reach_deg - fovea_deg).clamp(0.0, 180.0) } else { 0.0 }
 }
 
 /// Tiles become coarser on the way to a landing at twice the distance of its error.

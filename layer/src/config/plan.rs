@@ -30,7 +30,8 @@ impl RatesSource {
         match config.rates.mode {
             _ if !config.enabled => Self::Nothing,
             RatesMode::Off => Self::Nothing,
-            RatesMode::Auto if on_cpu => Self::Rings,
+            // Contrast is judged by where the eyes look, which a fixed gaze does not know.
+            RatesMode::Auto if on_cpu || config.gaze.source == GazeSource::Centre => Self::Rings,
             RatesMode::Fixed => Self::Rings,
             RatesMode::Auto | RatesMode::AudioVisual => Self::Contrast,
             RatesMode::Paper => Self::Paper,
@@ -66,12 +67,13 @@ pub fn plan_settings(config: &Config, device: &PlannedDevice<'_>) -> PlanSetting
     };
     // All seven rates of Vulkan follow the radii more closely than the paper's four, and never shade more.
     let is_paper = config.preset == Preset::Paper;
+    let safety = if is_paper { SafetySettings::PAPER } else { SafetySettings::default() };
     let wanted: &[ShadingRate] = if is_paper { &PAPER_RATES } else { &VULKAN_RATES };
     PlanSettings {
         rates,
         schedule: update_settings(config),
         chroma: chroma_settings(config),
-        safety: if is_paper { SafetySettings::PAPER } else { SafetySettings::default() },
+        safety: SafetySettings { lost: safety.lost.map(|lost| lost.limited_by(&fixed)), ..safety },
         device: DeviceRates { available: AvailableRates::among(wanted, device.rates), texel: device.texel },
         contrast_on_gpu: wants_contrast(config, device.is_cpu),
     }

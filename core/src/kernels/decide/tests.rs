@@ -97,3 +97,36 @@ proptest! {
         prop_assert_eq!(turned.contrast(&map, tile[1] * columns + tile[0]).bands, [1.0; BANDS]);
     }
 }
+
+/// One eye with a sharp tile and the other with a coarse one rival.
+#[test]
+fn a_direction_is_at_full_rate_in_both_eyes_at_once() {
+    let (outward, inward) = (54.0f32.to_radians(), 40.0f32.to_radians());
+    let (extent, texel, period) = ([1152, 1152], [16, 16], 360);
+    let views = [[-outward, inward], [-inward, outward]].map(|[left, right]| {
+        let plane = Fov { left, right, up: 0.8, down: -0.9 }.tangents().plane(extent);
+        let (plane_origin, plane_step) = (plane.origin.into(), plane.step.into());
+        DecideParams { plane_origin, plane_step, ..params(extent, [0; 2], texel) }
+    });
+    let mut in_frames = Vec::new();
+    for frame in 0..period {
+        let [left, right] = views.map(|view| view.with_full_rate_period(period, frame.into()));
+        let looks = |view: &DecideParams, [column, row]: [u32; 2]| {
+            view.is_full_rate_frame(row * view.tiles[0] + column)
+        };
+        let all = (0..left.tiles[1]).flat_map(|row| (0..left.tiles[0]).map(move |column| [column, row]));
+        let seen: Vec<[u32; 2]> = all.filter(|tile| looks(&left, *tile)).collect();
+        in_frames.push(seen.len());
+        for [column, row] in seen {
+            // The same direction in the other eye, in tiles.
+            let tangent = left.plane_origin[0] + left.plane_step[0] * 16.0 * (column as f32 + 0.5);
+            let other = (tangent - right.plane_origin[0]) / right.plane_step[0] / 16.0;
+            let inside = (1.0..right.tiles[0] as f32 - 1.0).contains(&other);
+            let near = [-1.0, 0.0, 1.0].map(|beside| looks(&right, [(other + beside) as u32, row]));
+            assert!(!inside || near.contains(&true), "tile {column}, {row} in frame {frame}");
+        }
+    }
+    let mean = 72.0 * 72.0 / f64::from(period);
+    let most = in_frames.iter().copied().max().unwrap_or_default() as f64;
+    assert!(in_frames.iter().sum::<usize>() == 72 * 72 && most < 3.0 * mean, "{most} of {mean} in a frame");
+}

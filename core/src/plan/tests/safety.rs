@@ -132,6 +132,41 @@ fn lost_gaze_ramps_to_full_rate_and_then_to_wide_fixed_rates() {
     }
 }
 
+/// With an assumed vergence, both eyes may look along the ray between the two directions, where two circles are narrow.
+#[test]
+fn the_fovea_reaches_as_far_from_the_ray_as_from_the_eyes_directions() {
+    let rates = RateSettings::Fixed(FixedFoveation::ANYWHERE);
+    let safety = SafetySettings { hysteresis_deg: 0.0, ..SafetySettings::default() };
+    let fovea_deg = safety.least_foveal_deg + safety.tracker_error_deg;
+    let eyes_m = [-0.0315, 0.0315].map(|x| Vec3::new(x, 0.0, 0.0));
+    let ahead = gaze(Vec3::NEG_Z, Vec3::NEG_Z);
+    let share = |gaze: GazeState| {
+        let mut planner = Planner::new(PlanSettings { rates, safety, ..PlanSettings::default() });
+        let plan = settled(&mut planner, PlanInput { gaze, ..input() });
+        for (eye, view) in plan.eyes.iter().zip(input().eyes) {
+            let ray = view.orientation.inverse() * Vec3::NEG_Z;
+            for (x, y) in (0..40).flat_map(|x| (0..35).map(move |y| (x, y))) {
+                let angle = eccentricity(ray, middle_of(eye, x, y)).to_degrees();
+                assert!(angle > fovea_deg || eye.rate(x, y) == ShadingRate::R1X1, "{angle} degrees");
+            }
+        }
+        plan.eyes[0].statistics().mean_rate
+    };
+    let (assumed, known) = (ahead.with_nearest(eyes_m, 0.4), ahead);
+    assert!(assumed.ray.is_some());
+    assert!(share(assumed) > share(known));
+    // Of a vergence that is known, the circles are as they were.
+    let mut state = crate::plan::safety::SafetyState::default();
+    let mut widening = |gaze| {
+        let reasons = &mut crate::plan::reasons::Reasons::default();
+        state.frame(&safety, None, 0, &gaze, reasons).vergence_deg
+    };
+    let measured = GazeState { ray: None, ..assumed };
+    assert_eq!([known, measured].map(&mut widening), [0.0; 2]);
+    let widened = widening(assumed);
+    assert!((widened - 1.48).abs() < 0.01, "{widened}");
+}
+
 #[test]
 fn small_motion_does_not_change_rates() {
     // There and back by 0.3 degrees, less than the hysteresis, each for long enough to grow by 2 octaves.

@@ -227,3 +227,29 @@ fn periods_and_phase_are_as_configured() {
     config.rates.backend = RatesBackend::Off;
     assert_eq!(settings(&config).schedule, None, "nothing could be left out");
 }
+
+/// Less is known without a gaze.
+#[test]
+fn without_a_gaze_nothing_is_coarser_than_the_configured_periphery() {
+    for peripheral in [PeripheralRate::R2x1, PeripheralRate::R2x2, PeripheralRate::R4x2, PeripheralRate::R4x4]
+    {
+        let mut config = Config::of_preset(Preset::Balanced);
+        (config.rates.peripheral, config.rates.foveal_deg) = (peripheral, 60.0);
+        let lost = settings(&config).safety.lost.unwrap();
+        let rings = fixed_foveation(&config, false);
+        assert!(lost.peripheral.octaves() <= rings.peripheral.octaves(), "{peripheral:?}");
+        assert_eq!(lost.foveal_deg, 60.0);
+    }
+}
+
+/// Contrast is judged by where the eyes look.
+#[test]
+fn a_gaze_that_is_fixed_has_rings() {
+    let mut config = Config::of_preset(Preset::Balanced);
+    assert!(matches!(settings(&config).rates, RateSettings::AudioVisual(_)));
+    config.gaze.source = GazeSource::Centre;
+    assert!(matches!(settings(&config).rates, RateSettings::Fixed(_)));
+    assert!(!wants_contrast(&config, false));
+    config.rates.mode = RatesMode::AudioVisual;
+    assert!(matches!(settings(&config).rates, RateSettings::AudioVisual(_)));
+}
