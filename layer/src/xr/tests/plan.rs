@@ -5,6 +5,7 @@ mod gate;
 mod gaze;
 mod head;
 mod swapchains;
+mod unseen;
 
 use super::fake::actions::ACTIONS;
 use super::fake::frames::{
