@@ -35,8 +35,10 @@ functions! {
     c"xrLocateViews" locate_views: LocateViews => plan::locate_views;
 
     c"xrCreateActionSet" create_action_set: CreateActionSet => actions::create_action_set;
-    c"xrDestroyActionSet" destroy_action_set: DestroyActionSet;
+    c"xrDestroyActionSet" destroy_action_set:
+        DestroyActionSet => actions::destroy_action_set;
     c"xrCreateAction" create_action: CreateAction => actions::create_action;
+    c"xrDestroyAction" destroy_action: DestroyAction => actions::destroy_action;
     c"xrSuggestInteractionProfileBindings" suggest_interaction_profile_bindings:
         SuggestInteractionProfileBindings => actions::suggest_bindings;
     c"xrAttachSessionActionSets" attach_session_action_sets:
