@@ -159,7 +159,7 @@ pub unsafe extern "system" fn attach(
 }
 
 /// `xrSyncActions`: with ours. If that fails before it has ever succeeded, as for [`attach`]; later it is the application's
-/// mistake, which the runtime is to see once.
+/// mistake, which the runtime is to see once. One without any set is made as it is, where the runtime keeps the gaze.
 ///
 /// # Safety
 ///
@@ -185,6 +185,15 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
                 });
             };
             known.actions.application_synchronises();
+            if asked.count_active_action_sets == 0 && known.actions.may_sync_nothing() {
+                let result = answer.record(below(info));
+                if result != xr::Result::SUCCESS || known.actions.keeps_gaze(known, gaze) {
+                    if result == xr::Result::SUCCESS {
+                        known.actions.profiles.show(known);
+                    }
+                    return result;
+                }
+            }
             let mut active: SmallVec<[xr::ActiveActionSet; 16]> = SmallVec::new();
             if !asked.active_action_sets.is_null() {
                 // SAFETY: valid usage: an array of that many structures.
@@ -206,14 +215,14 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
                 answer.record(result);
                 known.actions.synchronised_ours(result);
                 if result == xr::Result::SUCCESS {
-                    known.actions.profiles.application_synchronised(known);
+                    known.actions.profiles.show(known);
                 }
                 return result;
             }
             let own = answer.record(below(info));
             if own.into_raw() >= 0 {
                 tracing::warn!("eye tracker off: xrSyncActions with its action set returned {result:?}");
-                known.actions.give_up();
+                known.actions.give_up(known);
             }
             own
         },

@@ -44,6 +44,7 @@ functions! {
     c"xrAttachSessionActionSets" attach_session_action_sets:
         AttachSessionActionSets => actions::attach;
     c"xrSyncActions" sync_actions: SyncActions => actions::sync;
+    c"xrGetActionStatePose" get_action_state_pose: GetActionStatePose;
     c"xrGetCurrentInteractionProfile" get_current_interaction_profile:
         GetCurrentInteractionProfile => actions::get_current_profile;
     c"xrCreateActionSpace" create_action_space: CreateActionSpace;

@@ -4,6 +4,7 @@ mod application;
 mod gate;
 mod gaze;
 mod head;
+mod input;
 mod swapchains;
 mod unseen;
 
@@ -23,7 +24,7 @@ use crate::status::{Topic, all_decisions};
 use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use crate::xr::{actions, frame, instance, plan, session, spaces, swapchain};
 use application::{
-    Application, FRAME_NS, SIDE, create_swapchain, locate, look, plans, session_of_tests,
+    Application, FRAME_NS, SIDE, create_swapchain, locate, look, plans, session_of, session_of_tests,
 };
 use ash::vk;
 use glam::Quat;

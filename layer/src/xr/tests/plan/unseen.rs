@@ -1,8 +1,8 @@
 //! The line about a missing effect.
 
 use super::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// More frames than recognition needs to settle: other tests of this process decide meanwhile.
 const MOST_FRAMES: usize = 5000;
@@ -27,7 +27,10 @@ fn a_missing_effect_is_reported_after_frames_with_a_scene() {
     let lines = Arc::new(AtomicUsize::new(0));
     let count = Arc::clone(&lines);
     let take = move |line: &str| {
-        count.fetch_add(usize::from(line.starts_with("active, but without visible effect")), Ordering::Relaxed);
+        count.fetch_add(
+            usize::from(line.starts_with("active, but without visible effect")),
+            Ordering::Relaxed,
+        );
     };
     let told = || lines.load(Ordering::Relaxed);
     fake::log::with(take, || {
