@@ -42,6 +42,8 @@ struct Shared {
     file: Mutex<Option<StatusFile>>,
     snapshot: Mutex<StatusSnapshot>,
     settings: Mutex<Arc<Settings>>,
+    /// Reason why the session had no visible effect when recognition had settled.
+    unseen: Mutex<Option<Decision>>,
     is_asked: AtomicBool,
     /// Whether the last status could not be written.
     has_failed: AtomicBool,
@@ -63,6 +65,7 @@ impl StatusReporter {
             file: Mutex::new(Some(file)),
             snapshot: Mutex::default(),
             settings: Mutex::new(settings),
+            unseen: Mutex::default(),
             is_asked: AtomicBool::new(true),
             has_failed: AtomicBool::new(false),
         });
@@ -102,6 +105,12 @@ impl StatusReporter {
         self.0.is_asked.load(Ordering::Relaxed)
     }
 
+    /// Takes the reason why the session has no visible effect. It is in the status as long as that is so.
+    pub fn report_unseen(&self, line: String) {
+        let decision = Decision { topic: Topic::Unseen, line };
+        *self.0.unseen.lock().unwrap_or_else(PoisonError::into_inner) = Some(decision);
+    }
+
     /// Takes the newest status; in the rare case that the last is being written, it is not taken.
     pub fn report(&self, snapshot: StatusSnapshot, settings: Arc<Settings>) {
         if let Ok(mut last) = self.0.settings.try_lock() {
@@ -127,7 +136,9 @@ impl Shared {
     fn write(&self, status: &mut Status) -> bool {
         let snapshot = *self.snapshot.lock().unwrap_or_else(PoisonError::into_inner);
         snapshot.write_to(status);
-        status.decisions = decisions::all().iter().map(Decision::status).collect();
+        let unseen = self.unseen.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let unseen = unseen.filter(|_| !snapshot.has_effect());
+        status.decisions = decisions::all().iter().chain(&unseen).map(Decision::status).collect();
         status.settings = self.settings.lock().unwrap_or_else(PoisonError::into_inner).as_ref().clone();
         let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         match &*file {
@@ -172,6 +183,20 @@ mod tests {
         }
         assert_eq!(read()[0].status.application, "game");
         assert_eq!(read()[0].status.settings, settings);
+        let is_unseen =
+            || read()[0].status.decided(parafovea_manifest::status::Topic::Unseen).next().is_some();
+        reporter.report_unseen("nothing is seen, of a test".to_owned());
+        while !is_unseen() {
+            sleep(Duration::from_millis(10));
+        }
+        // Recognition was late.
+        let seen = StatusSnapshot { attenuates_colour: true, ..StatusSnapshot::default() };
+        reporter.report(seen, Arc::default());
+        while is_unseen() {
+            sleep(Duration::from_millis(10));
+        }
+        let is_of_process = |decision: Decision| decision.line == "nothing is seen, of a test";
+        assert!(!decisions::all().into_iter().any(is_of_process), "a later session has reasons of its own");
         // A user tidies up.
         std::fs::remove_dir_all(environment.status_folder().unwrap()).unwrap();
         while read().is_empty() {

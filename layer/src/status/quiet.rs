@@ -16,6 +16,11 @@ pub struct Quiet {
 }
 
 impl Quiet {
+    /// Whether a frame was taken.
+    pub fn has_begun(&self) -> bool {
+        self.since.is_some()
+    }
+
     /// A frame that is shown at `time_ns` ended, after so many decisions. Whether recognition has settled.
     pub fn frame(&mut self, time_ns: i64, decisions: usize) -> bool {
         let since = match self.since {

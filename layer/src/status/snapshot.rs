@@ -141,6 +141,22 @@ impl From<&Gate> for GateStatus {
 }
 
 impl StatusSnapshot {
+    /// Whether anything of the layer's work was visible in the last frame.
+    pub fn has_effect(&self) -> bool {
+        let has_maps = self.passes_matched > 0;
+        let is_coarse = self.gpu_decides || self.has_coarse_tiles();
+        let has_rates = has_maps && !self.rates.is_dropped() && is_coarse;
+        let has_reuse = has_maps && !self.reuse.is_dropped() && self.tiles_due < self.tiles.iter().sum();
+        has_rates || has_reuse || self.attenuates_colour
+    }
+
+    /// Whether any tile is coarser than 1x1.
+    pub fn has_coarse_tiles(&self) -> bool {
+        let is_coarse =
+            |(texel, count): (usize, &u32)| *count > 0 && texel != usize::from(ShadingRate::R1X1.texel());
+        self.tiles.iter().enumerate().any(is_coarse)
+    }
+
     /// Counts the tiles of an eye's map.
     pub fn count(&mut self, texels: &[u8]) {
         for texel in texels {
@@ -321,6 +337,21 @@ mod tests {
             let (_, rates) = told(backend, 0);
             assert_eq!((rates.tiles, rates.shaded), (named(&[("1x1", 1.0)]), 1.0), "left alone");
         }
+    }
+
+    #[test]
+    fn only_coarse_rates_skipped_tiles_and_faded_colour_are_an_effect() {
+        let mut snapshot = StatusSnapshot { passes_matched: 2, tiles_due: 1, ..StatusSnapshot::default() };
+        snapshot.count(&[ShadingRate::R1X1.texel()]);
+        assert!(!snapshot.has_effect());
+        assert!(StatusSnapshot { attenuates_colour: true, ..snapshot }.has_effect());
+        assert!(StatusSnapshot { gpu_decides: true, ..snapshot }.has_effect());
+        assert!(StatusSnapshot { tiles_due: 0, ..snapshot }.has_effect());
+        snapshot.count(&[ShadingRate::R2X2.texel()]);
+        assert!(snapshot.has_effect());
+        assert!(!StatusSnapshot { passes_matched: 0, ..snapshot }.has_effect(), "the maps reach no pass");
+        let dropped = GateStatus { mode: GateMode::Off, ..GateStatus::default() };
+        assert!(!StatusSnapshot { rates: dropped, reuse: dropped, ..snapshot }.has_effect());
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use super::{Decision, StatusSnapshot, Topic};
 use crate::config::{Config, GazeSource, chroma_settings, wants_maps, wants_reuse};
 use crate::link::{BACKEND_MASK, BACKEND_NONE};
-use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::options::RatesMode;
 
 /// Facts about a session besides a [`StatusSnapshot`].
@@ -53,9 +52,7 @@ fn rates(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     if snapshot.rates.is_dropped() {
         return Some(DROPPED.to_owned());
     }
-    let is_coarse =
-        |(texel, count): (usize, &u32)| *count > 0 && texel != usize::from(ShadingRate::R1X1.texel());
-    if snapshot.gpu_decides || snapshot.tiles.iter().enumerate().any(is_coarse) {
+    if snapshot.gpu_decides || snapshot.has_coarse_tiles() {
         return None;
     }
     Some(match is_blind(snapshot) {
@@ -160,6 +157,7 @@ mod tests {
     use crate::config::{ChromaMode, Preset, ReuseMode};
     use crate::link::BACKEND_RATE_ATTACHMENT;
     use parafovea_core::gate::{GateMode, Gates, Techniques};
+    use parafovea_core::rate::ShadingRate;
 
     const NONE: Known = Known { had_maps: true, has_own_images: true, is_healthy: true, decisions: &[] };
 

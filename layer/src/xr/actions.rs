@@ -10,11 +10,13 @@ mod gaze_action;
 mod instance_state;
 mod profiles;
 mod session_state;
+mod sets;
 
 pub use events::poll_event;
 pub use gaze_action::paths as gaze_paths;
 pub use instance_state::{Headset, InstanceActions};
 pub use session_state::SessionActions;
+pub use sets::{create_action, create_action_set, destroy_action, destroy_action_set};
 
 use super::dispatch::Next;
 use super::instance::{self, Instance, next_of_any};
@@ -52,96 +54,6 @@ pub unsafe extern "system" fn string_to_path(
         }
         answer.record(below())
     })
-}
-
-/// `xrCreateActionSet`: the application will attach the set later.
-///
-/// # Safety
-///
-/// The valid usage of the call.
-pub unsafe extern "system" fn create_action_set(
-    handle: xr::Instance,
-    info: *const xr::ActionSetCreateInfo,
-    action_set: *mut xr::ActionSet,
-) -> xr::Result {
-    let Some((known, next)) = below_of(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
-    // SAFETY: the next layer's function with the application's own arguments.
-    let below = || unsafe { (next.create_action_set)(handle, info, action_set) };
-    guard("xrCreateActionSet", below, |answer| {
-        if let Some(known) = &known {
-            known.actions.application().note_input();
-        }
-        let result = answer.record(below());
-        if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
-            // SAFETY: the call succeeded, so both pointers are valid.
-            let (set, priority) = unsafe { (*action_set, (*info).priority) };
-            known.actions.application().note_set(set, priority);
-            if let Some(offer) = &known.offer {
-                offer.input().note_set(set, priority);
-            }
-        }
-        result
-    })
-}
-
-/// `xrCreateAction`: the set of an action decides the priority of ours.
-///
-/// # Safety
-///
-/// The valid usage of the call.
-pub unsafe extern "system" fn create_action(
-    set: xr::ActionSet,
-    info: *const xr::ActionCreateInfo,
-    action: *mut xr::Action,
-) -> xr::Result {
-    let Some(known) = instance::any_hooked() else { return xr::Result::ERROR_HANDLE_INVALID };
-    // SAFETY: the next layer's function with the application's own arguments, or our copy of one.
-    let below = |info| unsafe { (known.next.create_action)(set, info, action) };
-    guard(
-        "xrCreateAction",
-        || below(info),
-        |answer| {
-            // SAFETY: valid usage: `info` is valid.
-            if known.has_own_eye_gaze() && unsafe { names_eyes(&known, info) } {
-                return answer.record(xr::Result::ERROR_PATH_UNSUPPORTED);
-            }
-            // SAFETY: as above.
-            let without_eyes = unsafe { offer::strip_eyes(&known, info) };
-            let result = answer.record(match &without_eyes {
-                None => below(info),
-                Some(paths) => below(&xr::ActionCreateInfo {
-                    count_subaction_paths: paths.len() as u32,
-                    subaction_paths: paths.as_ptr(),
-                    // SAFETY: it was read.
-                    ..unsafe { *info }
-                }),
-            });
-            if result.into_raw() >= 0 {
-                // SAFETY: the call succeeded: `info` is valid, and `action` points to the new handle.
-                let (action, info) = unsafe { (*action, &*info) };
-                known.actions.application().note_action(action, set);
-                if let Some(offer) = &known.offer {
-                    offer.note_action(action, set, info, without_eyes.is_some());
-                }
-            }
-            result
-        },
-    )
-}
-
-/// Whether the eyes are among the subaction paths of an action that is to be made.
-///
-/// # Safety
-///
-/// `info` is null or valid.
-unsafe fn names_eyes(instance: &Instance, info: *const xr::ActionCreateInfo) -> bool {
-    // SAFETY: `info` is null or valid, as `# Safety` demands, with an array of that many paths.
-    let paths = unsafe {
-        let info = info.as_ref().filter(|info| !info.subaction_paths.is_null());
-        info.map(|info| std::slice::from_raw_parts(info.subaction_paths, info.count_subaction_paths as usize))
-    };
-    let eyes = || gaze_action::eyes(&instance.next, instance.handle).ok();
-    paths.is_some_and(|paths| !paths.is_empty() && eyes().is_some_and(|eyes| paths.contains(&eyes)))
 }
 
 /// `xrSuggestInteractionProfileBindings`: the application's suggestion for eye gaze is remembered, because
@@ -247,7 +159,7 @@ pub unsafe extern "system" fn attach(
 }
 
 /// `xrSyncActions`: with ours. If that fails before it has ever succeeded, as for [`attach`]; later it is the application's
-/// mistake, which the runtime is to see once.
+/// mistake, which the runtime is to see once. One without any set is made as it is, where the runtime keeps the gaze.
 ///
 /// # Safety
 ///
@@ -273,6 +185,15 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
                 });
             };
             known.actions.application_synchronises();
+            if asked.count_active_action_sets == 0 && known.actions.may_sync_nothing() {
+                let result = answer.record(below(info));
+                if result != xr::Result::SUCCESS || known.actions.keeps_gaze(known, gaze) {
+                    if result == xr::Result::SUCCESS {
+                        known.actions.profiles.show(known);
+                    }
+                    return result;
+                }
+            }
             let mut active: SmallVec<[xr::ActiveActionSet; 16]> = SmallVec::new();
             if !asked.active_action_sets.is_null() {
                 // SAFETY: valid usage: an array of that many structures.
@@ -294,14 +215,14 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
                 answer.record(result);
                 known.actions.synchronised_ours(result);
                 if result == xr::Result::SUCCESS {
-                    known.actions.profiles.application_synchronised(known);
+                    known.actions.profiles.show(known);
                 }
                 return result;
             }
             let own = answer.record(below(info));
             if own.into_raw() >= 0 {
                 tracing::warn!("eye tracker off: xrSyncActions with its action set returned {result:?}");
-                known.actions.give_up();
+                known.actions.give_up(known);
             }
             own
         },

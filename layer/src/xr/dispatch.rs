@@ -35,13 +35,16 @@ functions! {
     c"xrLocateViews" locate_views: LocateViews => plan::locate_views;
 
     c"xrCreateActionSet" create_action_set: CreateActionSet => actions::create_action_set;
-    c"xrDestroyActionSet" destroy_action_set: DestroyActionSet;
+    c"xrDestroyActionSet" destroy_action_set:
+        DestroyActionSet => actions::destroy_action_set;
     c"xrCreateAction" create_action: CreateAction => actions::create_action;
+    c"xrDestroyAction" destroy_action: DestroyAction => actions::destroy_action;
     c"xrSuggestInteractionProfileBindings" suggest_interaction_profile_bindings:
         SuggestInteractionProfileBindings => actions::suggest_bindings;
     c"xrAttachSessionActionSets" attach_session_action_sets:
         AttachSessionActionSets => actions::attach;
     c"xrSyncActions" sync_actions: SyncActions => actions::sync;
+    c"xrGetActionStatePose" get_action_state_pose: GetActionStatePose;
     c"xrGetCurrentInteractionProfile" get_current_interaction_profile:
         GetCurrentInteractionProfile => actions::get_current_profile;
     c"xrCreateActionSpace" create_action_space: CreateActionSpace;

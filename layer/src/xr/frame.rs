@@ -214,7 +214,9 @@ impl FrameEnd<'_> {
         }
         let delivered = deliver(self, &mut report);
         eye_buffers::notify_views(self);
-        plan::report_unseen(session, (active, config), time, &report);
+        if submission.scene().is_some() {
+            plan::report_unseen(session, (active, config), time, &report);
+        }
         if let Some(reporter) = session.reporter.as_ref().filter(|reporter| reporter.is_asked()) {
             let mut status = plan::status(session, active, config, &report);
             status.attenuates_colour &= !swapchain::are_all_real(session.handle);

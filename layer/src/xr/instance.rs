@@ -14,6 +14,7 @@ use below::Below;
 use extensions::EyeGaze;
 use openxr_sys as xr;
 use openxr_sys::pfn;
+use std::cell::Cell;
 use std::ffi::{CStr, c_char};
 use std::sync::Arc;
 
@@ -76,12 +77,17 @@ pub fn next_of_any() -> Option<Next> {
 
 /// Any instance that is not inert, for a handle whose instance is not tracked here.
 pub fn any_hooked() -> Option<Arc<Instance>> {
-    INSTANCES.find_map(|known| known.hooked.clone())
+    find_hooked(|_| true)
+}
+
+/// An instance that is not inert, and meets the condition.
+pub fn find_hooked(is_wanted: impl Fn(&Instance) -> bool) -> Option<Arc<Instance>> {
+    INSTANCES.find_map(|known| known.hooked.clone().filter(|instance| is_wanted(instance)))
 }
 
 /// Any instance whose application asked for eye gaze, with an offer of ours.
 pub fn any_offering() -> Option<Arc<Instance>> {
-    INSTANCES.find_map(|known| known.hooked.clone().filter(|instance| instance.offer.is_some()))
+    find_hooked(|instance| instance.offer.is_some())
 }
 
 /// `xrCreateApiLayerInstance`.
@@ -100,9 +106,11 @@ pub unsafe extern "system" fn create(
     };
     // SAFETY: the application's own arguments.
     let as_asked = || unsafe { create_as_asked(&below, info, instance) };
+    // A panic after the call down does not make a second instance.
+    let created = Cell::new(None);
     // As if nothing of ours were there; but the loader asks us for all of its functions.
     let inert = || {
-        let result = as_asked();
+        let result = created.get().unwrap_or_else(as_asked);
         if result == xr::Result::SUCCESS {
             // SAFETY: the call succeeded, so `instance` is valid.
             track(&below, unsafe { *instance }, String::new(), None, GazeExtension::Off);
@@ -127,6 +135,7 @@ pub unsafe extern "system" fn create(
             }
             None => (as_asked(), GazeExtension::Off),
         };
+        created.set(Some(result));
         if result == xr::Result::SUCCESS {
             track(&below, *handle, name, wanted, eye_gaze);
         }

@@ -357,7 +357,8 @@ pub fn status(
     snapshot
 }
 
-/// Reports once, when recognition has settled, why an active session has no visible effect, if it has none.
+/// Reports once, when recognition has settled, why an active session has no visible effect, if it has none. To be called at the end of frames
+/// with a scene: nothing is recognised while an application loads.
 pub fn report_unseen(
     session: &Session,
     (active, config): (&Active, &ConfigSnapshot),
@@ -382,7 +383,10 @@ pub fn report_unseen(
         decisions: &all_decisions(),
     };
     if let Some(why) = why_unseen(config, &status(session, active, config, report), &known) {
-        decided(Topic::Unseen, &why);
+        tracing::info!("{why}");
+        if let Some(reporter) = &session.reporter {
+            reporter.report_unseen(why);
+        }
     }
 }
 

@@ -93,6 +93,17 @@ fn protons_test_instance_is_left_alone() {
 }
 
 #[test]
+fn a_panic_after_the_instance_was_made_makes_no_second_one() {
+    fake::MISSING.set(vec!["xrLocateSpace"]);
+    // The line about the missing function comes after the call down.
+    let plant = |line: &str| assert!(!line.starts_with("inert:"), "planted after the call below");
+    let handle = fake::log::with(plant, || create_instance(&[])).unwrap();
+    fake::MISSING.take();
+    assert_eq!(created().len(), 1);
+    assert!(instance::find(handle).is_some() && instance::hooked(handle).is_none(), "inert, and known");
+}
+
+#[test]
 fn the_runtimes_own_refusal_reaches_the_application() {
     answer(xr::Result::ERROR_RUNTIME_FAILURE, xr::Result::ERROR_LIMIT_REACHED);
     assert_eq!(create_instance(&[]), Err(xr::Result::ERROR_LIMIT_REACHED));

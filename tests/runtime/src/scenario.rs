@@ -160,6 +160,9 @@ pub struct Quirks {
     pub missing_functions: Vec<String>,
     /// Whether only the last of several action sets that are attached works.
     pub only_last_set: bool,
+    /// Whether bound actions are active from their attachment, and a synchronisation without action sets, or without the focus, changes
+    /// nothing, as in Monado.
+    pub active_from_attachment: bool,
     /// Whether spaces of actions that are not attached are refused.
     pub no_early_spaces: bool,
     /// A file, relative to the scenario file, whose lock (`flock`) `xrLocateSpace` waits for; empty: none.

@@ -167,6 +167,22 @@ variants! {
         is_followed: false,
         scenario: |scenario| scenario.quirks.only_last_set = true,
     },
+    the_runtime_activates_what_is_attached_and_nothing_is_synchronised: "never_synchronises" {
+        scenario: |scenario| scenario.quirks.active_from_attachment = true,
+    },
+    the_runtime_activates_what_is_attached_and_the_eyes_are_seen_late: "never_synchronises" {
+        scenario: |scenario| {
+            scenario.quirks.active_from_attachment = true;
+            let at = |t, tracked| Gaze { t, tracked, ..scenario.gaze[0] };
+            scenario.gaze = vec![at(0.0, false), at(1.4, true)];
+        },
+    },
+    the_runtime_activates_what_is_attached_before_it_is_synchronised: "synchronises_late" {
+        scenario: |scenario| scenario.quirks.active_from_attachment = true,
+    },
+    the_runtime_keeps_what_is_active_where_nothing_is_synchronised: "synchronises_nothing" {
+        scenario: |scenario| scenario.quirks.active_from_attachment = true,
+    },
     the_runtime_refuses_spaces_before_attaching: "makes_spaces_before_attaching" {
         scenario: |scenario| scenario.quirks.no_early_spaces = true,
     },

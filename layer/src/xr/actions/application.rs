@@ -104,6 +104,32 @@ impl ApplicationInput {
         self.actions.push((action, set));
     }
 
+    /// Whether a set is one of its sets.
+    pub fn has_set(&self, set: xr::ActionSet) -> bool {
+        self.sets.iter().any(|(known, _)| *known == set)
+    }
+
+    /// Whether an action is one of its actions.
+    pub fn has_action(&self, action: xr::Action) -> bool {
+        self.actions.iter().any(|(known, _)| *known == action)
+    }
+
+    /// It destroys an action: a suggestion with the handle would be invalid usage.
+    pub fn forget_action(&mut self, action: xr::Action) {
+        self.actions.retain(|(known, _)| *known != action);
+        if let GazeSuggestion::Bindings(bindings) = &mut self.gaze {
+            bindings.retain(|binding| binding.action != action);
+        }
+    }
+
+    /// It destroys a set, with its actions.
+    pub fn forget_set(&mut self, set: xr::ActionSet) {
+        self.sets.retain(|(known, _)| *known != set);
+        let of_set = self.actions.iter().filter(|(_, of)| *of == set);
+        let actions: Vec<_> = of_set.map(|(action, _)| *action).collect();
+        actions.into_iter().for_each(|action| self.forget_action(action));
+    }
+
     /// A suggestion of its own succeeded.
     pub fn note_suggestion(&mut self, suggested: Suggested) {
         for user in suggested.users {
@@ -175,5 +201,25 @@ mod tests {
         input.note_action(action, new);
         input.note_suggestion(suggested());
         assert_eq!(input.wanted(1).unwrap().priority, 2);
+    }
+
+    #[test]
+    fn destroyed_actions_are_not_suggested_again() {
+        let [kept, emptied] = [1, 2].map(xr::ActionSet::from_raw);
+        let actions = [7, 8, 9].map(xr::Action::from_raw);
+        let binding = |action| xr::ActionSuggestedBinding { action, binding: xr::Path::from_raw(3) };
+        let mut input = ApplicationInput::default();
+        input.note_set(kept, 4);
+        input.note_set(emptied, 1);
+        for (action, set) in actions.into_iter().zip([kept, kept, emptied]) {
+            input.note_action(action, set);
+        }
+        let gaze = Some(GazeSuggestion::Bindings(actions.map(binding).to_vec()));
+        input.note_suggestion(Suggested { users: Vec::new(), gaze });
+        input.forget_action(actions[0]);
+        input.forget_set(emptied);
+        let wanted = input.wanted(1).unwrap();
+        let left: Vec<_> = wanted.applications.iter().map(|binding| binding.action).collect();
+        assert_eq!((left, wanted.priority), (vec![actions[1]], 4));
     }
 }

@@ -130,6 +130,24 @@ impl GazeAction {
         Ok(space)
     }
 
+    /// Whether the runtime has a source for the gaze, by the newest synchronisation or, on some runtimes, without any.
+    pub fn is_active(&self, next: &Next, session: xr::Session) -> bool {
+        let info = xr::ActionStateGetInfo {
+            ty: xr::ActionStateGetInfo::TYPE,
+            next: ptr::null(),
+            action: self.action,
+            subaction_path: xr::Path::NULL,
+        };
+        let mut state = xr::ActionStatePose {
+            ty: xr::ActionStatePose::TYPE,
+            next: ptr::null_mut(),
+            is_active: xr::FALSE,
+        };
+        // SAFETY: the next layer's function, a live session and valid structures.
+        let result = unsafe { (next.get_action_state_pose)(session, &info, &mut state) };
+        result.into_raw() >= 0 && state.is_active.into()
+    }
+
     /// As it is synchronised.
     pub fn active(&self) -> xr::ActiveActionSet {
         xr::ActiveActionSet { action_set: self.set, subaction_path: xr::Path::NULL }

@@ -57,8 +57,8 @@ impl Profiles {
         }
     }
 
-    /// The application has synchronised, with the focus.
-    pub fn application_synchronised(&self, session: &Session) {
+    /// Shows the application the current profiles, from now on: it has synchronised with the focus, or the layer no longer synchronises ahead.
+    pub fn show(&self, session: &Session) {
         if self.state().view != Visibility::TooEarly {
             return;
         }

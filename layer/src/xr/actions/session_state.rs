@@ -36,6 +36,12 @@ struct State {
     is_synchronised: bool,
     /// Whether the application's synchronisation has succeeded with ours in it.
     has_ours_worked: bool,
+    /// Whether any synchronisation of ours has succeeded, in the application's or alone.
+    has_synchronised: bool,
+    /// Whether the gaze was seen before that: then it needs none.
+    needs_no_sync: bool,
+    /// Whether the runtime takes the gaze away in a synchronisation without action sets, as the specification has it.
+    ends_without_sets: bool,
     /// Frames since the application attached its action sets without synchronising them.
     waited_frames: u32,
     /// Whether the application attached its action sets while the configuration asked for no eye tracker.
@@ -69,8 +75,11 @@ enum Due {
     Nothing,
     AttachAlone,
     Sync(GazeAction),
-    /// The first one for an application that does not.
-    SyncAhead(GazeAction),
+    /// For an application that does not.
+    SyncAhead {
+        gaze: GazeAction,
+        is_first: bool,
+    },
 }
 
 impl SessionActions {
@@ -147,31 +156,59 @@ impl SessionActions {
         self.state().has_ours_worked
     }
 
-    /// The application's synchronisation was made with ours in it.
+    /// The application's synchronisation was made with ours in it. One without the focus has changed nothing, and proves nothing.
     pub fn synchronised_ours(&self, result: xr::Result) {
-        self.state().has_ours_worked |= result.into_raw() >= 0;
+        let mut state = self.state();
+        state.has_ours_worked |= result == xr::Result::SUCCESS;
+        state.has_synchronised |= result == xr::Result::SUCCESS;
+    }
+
+    /// Whether the application's synchronisation without any action set is made as it is. Monado leaves all actions as they are then, while ours
+    /// as the only active set would take the application's poses away.
+    pub fn may_sync_nothing(&self) -> bool {
+        !self.state().ends_without_sets
+    }
+
+    /// The application's synchronisation without any action set was made. Whether the runtime still has the gaze.
+    pub fn keeps_gaze(&self, session: &Session, gaze: GazeAction) -> bool {
+        let keeps = gaze.is_active(&session.instance.next, session.handle);
+        self.state().ends_without_sets = !keeps;
+        keeps
     }
 
     /// Does without eye gaze from now on.
-    pub fn give_up(&self) {
+    pub fn give_up(&self, session: &Session) {
         self.state().attachment = Attachment::Never;
+        self.profiles.show(session);
     }
 
     /// A frame that is shown at `time` ends. For an application without action sets ours is attached when the time has come,
-    /// and synchronised from then on; for one that does not synchronise its own, too, until it does.
+    /// and synchronised from then on; for one that does not synchronise its own, too, until it does, unless the gaze needs none.
     pub fn frame_ended(&self, session: &Session, config: &Config, time: xr::Time) {
         match self.due(session, config, time) {
             Due::Nothing => {}
             Due::AttachAlone => self.attach_alone(session, config),
             Due::Sync(gaze) => self.sync_ours(session, gaze),
-            Due::SyncAhead(gaze) => {
-                tracing::info!(
-                    "the application does not synchronise its actions: the layer synchronises those of the eye tracker"
-                );
-                self.profiles.synchronised_ahead(session);
-                self.sync_ours(session, gaze);
-            }
+            Due::SyncAhead { gaze, is_first } => self.sync_ahead(session, gaze, is_first),
         }
+    }
+
+    /// Synchronises our action set ahead of the application's. On Monado all actions are active from their attachment, and a synchronisation of
+    /// ours alone would end the application's: there the gaze needs none. By the specification, actions are inactive until the application
+    /// synchronises them, which one of ours alone does not change.
+    fn sync_ahead(&self, session: &Session, gaze: GazeAction, is_first: bool) {
+        let is_decided = self.state().has_synchronised;
+        if !is_decided && gaze.is_active(&session.instance.next, session.handle) {
+            self.state().needs_no_sync = true;
+            return;
+        }
+        if is_first {
+            tracing::info!(
+                "the application does not synchronise its actions: the layer synchronises those of the eye tracker"
+            );
+            self.profiles.synchronised_ahead(session);
+        }
+        self.sync_ours(session, gaze);
     }
 
     /// Whether [`Self::frame_ended`] need not be called for a while: nothing of ours has still to be attached.
@@ -180,7 +217,7 @@ impl SessionActions {
         match state.attachment {
             Attachment::Not => session.instance.actions.application().has_input(),
             Attachment::WithApplication { .. } => {
-                state.is_synchronised || state.waited_frames > PATIENCE_FRAMES
+                state.is_synchronised || state.needs_no_sync || state.waited_frames > PATIENCE_FRAMES
             }
             Attachment::Alone { .. } | Attachment::Never => true,
         }
@@ -198,12 +235,11 @@ impl SessionActions {
                 let is_alone = is_time && !session.instance.actions.application().has_input();
                 if is_alone { Due::AttachAlone } else { Due::Nothing }
             }
-            Attachment::WithApplication { gaze, .. } if !state.is_synchronised => {
+            Attachment::WithApplication { gaze, .. } if !state.is_synchronised && !state.needs_no_sync => {
                 state.waited_frames = state.waited_frames.saturating_add(1);
                 match state.waited_frames {
                     ..PATIENCE_FRAMES => Due::Nothing,
-                    PATIENCE_FRAMES => Due::SyncAhead(gaze),
-                    _ => Due::Sync(gaze),
+                    frames => Due::SyncAhead { gaze, is_first: frames == PATIENCE_FRAMES },
                 }
             }
             Attachment::Alone { gaze, .. } => Due::Sync(gaze),
@@ -246,9 +282,10 @@ impl SessionActions {
         };
         // SAFETY: the next layer's function, a live session and a valid structure.
         let result = unsafe { (session.instance.next.sync_actions)(session.handle, &info) };
+        self.state().has_synchronised |= result == xr::Result::SUCCESS;
         if result.into_raw() < 0 {
             tracing::warn!("eye tracker off: xrSyncActions returned {result:?}");
-            self.give_up();
+            self.give_up(session);
         }
     }
 
@@ -261,6 +298,8 @@ impl SessionActions {
         let Some(spaces) = session.spaces else { return Look::NoTracker };
         match spaces::gaze(&session.instance.next, space, spaces.head, time) {
             Some((turned, sampled_ns)) => {
+                let mut state = self.state();
+                state.needs_no_sync |= !state.has_synchronised;
                 Look::At { direction: turned * FORWARD, sampled_ns, uncertainty_ns: 0 }
             }
             None => Look::Unseen,

@@ -7,8 +7,6 @@ functions! {
     /// Functions of the layer (or runtime) below for an offered gaze, beside the functions of `Next`.
     OfferNext;
 
-    c"xrDestroyActionSet" destroy_action_set: DestroyActionSet => hooks::destroy_action_set;
-    c"xrDestroyAction" destroy_action: DestroyAction => hooks::destroy_action;
     c"xrGetActionStatePose" get_action_state_pose: GetActionStatePose => hooks::get_action_state_pose;
     c"xrEnumerateBoundSourcesForAction" enumerate_bound_sources:
         EnumerateBoundSourcesForAction => sources::enumerate_bound_sources;

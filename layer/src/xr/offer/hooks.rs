@@ -213,38 +213,6 @@ pub unsafe fn note_event(event: &xr::EventDataBuffer) {
     }
 }
 
-/// `xrDestroyActionSet`.
-///
-/// # Safety
-///
-/// The valid usage of the call.
-pub unsafe extern "system" fn destroy_action_set(set: xr::ActionSet) -> xr::Result {
-    let Some(known) = any_offering() else { return xr::Result::ERROR_HANDLE_INVALID };
-    let Some(offer) = &known.offer else { return xr::Result::ERROR_HANDLE_INVALID };
-    // SAFETY: the next layer's function with the application's own argument.
-    let below = || unsafe { (offer.next.destroy_action_set)(set) };
-    guard("xrDestroyActionSet", below, |answer| {
-        offer.input().forget_set(set);
-        answer.record(below())
-    })
-}
-
-/// `xrDestroyAction`.
-///
-/// # Safety
-///
-/// The valid usage of the call.
-pub unsafe extern "system" fn destroy_action(action: xr::Action) -> xr::Result {
-    let Some(known) = any_offering() else { return xr::Result::ERROR_HANDLE_INVALID };
-    let Some(offer) = &known.offer else { return xr::Result::ERROR_HANDLE_INVALID };
-    // SAFETY: the next layer's function with the application's own argument.
-    let below = || unsafe { (offer.next.destroy_action)(action) };
-    guard("xrDestroyAction", below, |answer| {
-        offer.input().forget_action(action);
-        answer.record(below())
-    })
-}
-
 impl Offer {
     /// An action of `set` was made; `had_eyes`: the path of the eyes was stripped.
     pub fn note_action(

@@ -37,7 +37,7 @@ impl SessionOffer {
     }
 
     /// Takes a synchronisation of these sets by the application. `has_focus`: the call changed states; `has_gaze`: a source is present;
-    /// `is_driven`: a source of the runtime's drives an action.
+    /// `is_driven`: a source of the runtime's drives an action, which is asked without a lock.
     pub fn synchronised(
         &self,
         sets: &[xr::ActiveActionSet],
@@ -45,26 +45,35 @@ impl SessionOffer {
         (has_focus, has_gaze): (bool, bool),
         is_driven: impl Fn(xr::Action) -> bool,
     ) {
+        let mut undriven = self.activate(sets, paths, (has_focus, has_gaze));
+        if undriven.is_empty() {
+            return;
+        }
+        undriven.retain(|action| !is_driven(*action));
+        let mut state = self.state();
+        undriven.retain(|action| state.active.contains(action));
+        state.undriven = undriven;
+    }
+
+    /// Activates the actions of these sets that have the gaze, and returns those that sources of the runtime's could drive, too.
+    fn activate(
+        &self,
+        sets: &[xr::ActiveActionSet],
+        paths: &GazePaths,
+        (has_focus, has_gaze): (bool, bool),
+    ) -> SmallVec<[xr::Action; 2]> {
         let mut state = self.state();
         state.active.clear();
         state.undriven.clear();
-        if !has_focus {
-            return;
-        }
-        if !state.gazes.is_empty() && !state.is_current {
+        if has_focus && !state.gazes.is_empty() && !state.is_current {
             (state.is_current, state.owes_event) = (true, true);
         }
-        if has_gaze {
+        if has_focus && has_gaze {
             state.active = active(&state.gazes, sets, paths);
-            let is_shared =
-                |action: &xr::Action| state.gazes.iter().any(|gaze| gaze.action == *action && !gaze.is_alone);
-            state.undriven = state
-                .active
-                .iter()
-                .copied()
-                .filter(|action| is_shared(action) && !is_driven(*action))
-                .collect();
         }
+        let is_shared =
+            |action: &xr::Action| state.gazes.iter().any(|gaze| gaze.action == *action && !gaze.is_alone);
+        state.active.iter().copied().filter(is_shared).collect()
     }
 
     /// Takes a state of the session that the application receives: without the focus, no input is active. States on the way to the focus may
@@ -198,5 +207,23 @@ mod tests {
             follows(2, xr::Path::NULL)
         };
         assert_eq!([true, false, true].map(synchronise), [false, true, false], "while no hand drives it");
+    }
+
+    /// The runtime's answer may wait for another thread of the application.
+    #[test]
+    fn the_runtime_is_asked_without_a_lock() {
+        let offer = SessionOffer::default();
+        offer.attached(vec![gaze(1, 0, false)]);
+        let is_asked = std::cell::Cell::new(false);
+        offer.synchronised(&sets(&[1], xr::Path::NULL), &paths(), (true, true), |_| {
+            is_asked.set(true);
+            assert!(offer.0.try_lock().is_ok(), "a lock of the layer is held");
+            // The focus is lost meanwhile.
+            offer.has_focus(true);
+            offer.has_focus(false);
+            false
+        });
+        assert!(is_asked.get());
+        assert!(!offer.follows(xr::Action::from_raw(10), xr::Path::NULL, &paths()), "not active any more");
     }
 }

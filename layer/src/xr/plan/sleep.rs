@@ -8,6 +8,7 @@ use crate::config::ConfigSnapshot;
 use crate::xr::session::{Active, Health, Session};
 use crate::xr::swapchain;
 use openxr_sys as xr;
+use std::sync::PoisonError;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Least length of a sleep, frames.
@@ -97,7 +98,7 @@ fn may_sleep(session: &Session, (active, config): (&Active, &ConfigSnapshot), ti
     session.offer.is_none()
         && !config.is_gaze_watched
         && config.gaze.record.path().is_none()
-        && state.has_reported_unseen.load(Ordering::Relaxed)
+        && state.awaits_no_report()
         && state.rests_ns(time) >= NO_TRIAL_NS
         && session.actions.is_settled(session)
         && !has_work()
@@ -105,6 +106,12 @@ fn may_sleep(session: &Session, (active, config): (&Active, &ConfigSnapshot), ti
 }
 
 impl SessionPlan {
+    /// Whether no reason for a missing effect is awaited: it was reported, or no scene was shown yet.
+    fn awaits_no_report(&self) -> bool {
+        let has_begun = || self.quiet.lock().unwrap_or_else(PoisonError::into_inner).has_begun();
+        self.has_reported_unseen.load(Ordering::Relaxed) || !has_begun()
+    }
+
     /// Time within which no trial of a gate can begin, nanoseconds.
     fn rests_ns(&self, time: xr::Time) -> i64 {
         self.benefit().rests_ns(time.as_nanos())

@@ -1,6 +1,8 @@
 //! A stand-in for the runtime below, as little of it as the tests need. It notes the arguments of its calls.
 
+pub mod actions;
 pub mod frames;
+pub mod log;
 pub mod vulkan_half;
 
 use openxr_sys as xr;
@@ -20,9 +22,25 @@ thread_local! {
     pub static ANSWERS: RefCell<[xr::Result; 2]> = const { RefCell::new([xr::Result::SUCCESS; 2]) };
     /// The extensions that the stand-in lists; it does not answer without any.
     pub static LISTED: RefCell<Vec<&'static CStr>> = const { RefCell::new(Vec::new()) };
+    /// Functions that the stand-in lacks.
+    pub static MISSING: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
     /// The action sets of each xrAttachSessionActionSets of this thread.
     pub static ATTACHED: RefCell<Vec<Vec<u64>>> = const { RefCell::new(Vec::new()) };
 }
+
+/// The function of a name, from a list of functions with their types.
+macro_rules! table {
+    ($wanted:expr; $($name:literal $type:ident $function:ident;)*) => {
+        match $wanted {
+            // SAFETY: any function pointer may be carried as PFN_xrVoidFunction.
+            $($name => Some(unsafe {
+                std::mem::transmute::<openxr_sys::pfn::$type, openxr_sys::pfn::VoidFunction>($function)
+            }),)*
+            _ => None,
+        }
+    };
+}
+use table;
 
 /// A handle that was never used before.
 pub fn new_handle() -> u64 {
@@ -139,7 +157,12 @@ unsafe extern "system" fn get_instance_proc_addr(
         "xrAttachSessionActionSets" => attach as pfn::AttachSessionActionSets as *const (),
         "xrEndFrame" => end_frame as pfn::EndFrame as *const (),
         "xrNoSuchFunction" => return xr::Result::ERROR_FUNCTION_UNSUPPORTED,
-        _ => frames::function(name).unwrap_or(never_called) as *const (),
+        name if MISSING.with_borrow(|missing| missing.contains(&name)) => {
+            return xr::Result::ERROR_FUNCTION_UNSUPPORTED;
+        }
+        name => {
+            frames::function(name).or_else(|| actions::function(name)).unwrap_or(never_called) as *const ()
+        }
     };
     // SAFETY: the address of a function, carried as PFN_xrVoidFunction and cast back by its name; there is a place for it.
     unsafe { *function = Some(transmute::<*const (), pfn::VoidFunction>(address)) };

@@ -4,11 +4,14 @@ mod application;
 mod gate;
 mod gaze;
 mod head;
+mod input;
 mod swapchains;
+mod unseen;
 
+use super::fake::actions::ACTIONS;
 use super::fake::frames::{
-    self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, HEAD_LOCATED, IMAGES, IN_LOCATE, SAMPLE_AGE_NS,
-    VIEWS, fov, pose,
+    DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, HEAD_LOCATED, IMAGES, IN_LOCATE, SAMPLE_AGE_NS, VIEWS, fov,
+    pose,
 };
 use super::fake::vulkan_half::{
     self, Crossing, DECISIONS, GPU_NS, PASSES, STALE_WORDS, UNTRACKED_FRAMES, calls, crossings,
@@ -20,7 +23,9 @@ use crate::status::StatusSnapshot;
 use crate::status::{Topic, all_decisions};
 use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use crate::xr::{actions, frame, instance, plan, session, spaces, swapchain};
-use application::{Application, FRAME_NS, SIDE, create_swapchain, locate, look, plans, session_of_tests};
+use application::{
+    Application, FRAME_NS, SIDE, create_swapchain, locate, look, plans, session_of, session_of_tests,
+};
 use ash::vk;
 use glam::Quat;
 use openxr_sys as xr;
@@ -143,10 +148,10 @@ fn decisions_of_the_other_half_are_known_to_this_one() {
 #[test]
 fn the_actions_of_the_application_are_as_they_were() {
     let application = Application::new();
-    let made = frames::ACTIONS.take();
+    let made = ACTIONS.take();
     assert_eq!(made, ["xrCreateActionSet", "xrCreateAction", "xrSuggestInteractionProfileBindings"]);
     application.settle();
-    assert_eq!(frames::ACTIONS.take(), [""; 0], "frames synchronise nothing: the application does");
+    assert_eq!(ACTIONS.take(), [""; 0], "frames synchronise nothing: the application does");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Suggested bindings, attaching, and the interaction profiles that follow from both.
 
 use super::profiles::{EYES, PROFILES, Profile};
+use super::sync::activate;
 use super::{check_attached, check_user};
 use crate::abi::pointers::{In, List, Out};
 use crate::abi::text;
@@ -123,7 +124,11 @@ pub(crate) extern "system" fn attach(
         for set in &attachment.sets {
             runtime.action_sets.get_mut(*set)?.attached = true;
         }
+        let bindings = attachment.bindings.clone();
         runtime.sessions.get_mut(session)?.input.attachment = Some(attachment);
+        if runtime.scenario.quirks.active_from_attachment {
+            activate(runtime, session, bindings)?;
+        }
         Ok(xr::Result::SUCCESS)
     })
 }

@@ -49,10 +49,11 @@ pub(crate) extern "system" fn sync(session: xr::Session, info: In<xr::ActionsSyn
             check(runtime, session, set)?;
         }
         let focused = runtime.sessions.get(session)?.state == SessionState::FOCUSED;
-        let active = if focused { active_bindings(runtime, session, sets)? } else { Vec::new() };
-        let states = states(runtime, session, &active)?;
-        let input = &mut runtime.sessions.get_mut(session)?.input;
-        (input.active, input.states) = (active, states);
+        let is_kept = runtime.scenario.quirks.active_from_attachment && (sets.is_empty() || !focused);
+        if !is_kept {
+            let active = if focused { active_bindings(runtime, session, sets)? } else { Vec::new() };
+            activate(runtime, session, active)?;
+        }
         let result = if focused { xr::Result::SUCCESS } else { xr::Result::SESSION_NOT_FOCUSED };
         record(runtime, session, sets, result)?;
         if focused {
@@ -60,6 +61,18 @@ pub(crate) extern "system" fn sync(session: xr::Session, info: In<xr::ActionsSyn
         }
         Ok(result)
     })
+}
+
+/// Makes bindings of a session the active ones.
+pub(super) fn activate(
+    runtime: &mut Runtime,
+    session: xr::Session,
+    active: Vec<Binding>,
+) -> Result<(), Fault> {
+    let states = states(runtime, session, &active)?;
+    let input = &mut runtime.sessions.get_mut(session)?.input;
+    (input.active, input.states) = (active, states);
+    Ok(())
 }
 
 fn record(
@@ -183,6 +196,9 @@ fn reading(runtime: &Runtime, source: &str, now: i64) -> Option<[f32; 2]> {
     if source.starts_with(EYES) {
         if !runtime.scenario.tracker.active {
             return None;
+        }
+        if runtime.scenario.quirks.active_from_attachment {
+            return Some([0.0; 2]);
         }
         return script::gaze_at(&runtime.scenario.gaze, seconds).map(|_| [0.0; 2]);
     }

@@ -82,6 +82,12 @@ pub fn cases() -> Vec<Case> {
             |_| {},
         ),
         good(
+            "actions_that_are_active_from_their_attachment",
+            "[quirks]\nactive_from_attachment=true",
+            tracker::active_from_attachment,
+            |_| {},
+        ),
+        good(
             "locating_waits_for_a_lock",
             "[quirks]\nlocate_lock='queue.lock'",
             tracker::waits_for_a_lock,

@@ -1,11 +1,11 @@
-//! Frames, views, spaces, actions and swapchains of the stand-in: a headset of two views, as this thread has set it up.
+//! Frames, views, spaces and swapchains of the stand-in: a headset of two views, as this thread has set it up.
 
-use super::new_handle;
+use super::actions::GAZE_SPACES;
+use super::{new_handle, table};
 use glam::Quat;
 use openxr_sys as xr;
 use openxr_sys::{Handle, pfn};
 use std::cell::{Cell, RefCell};
-use std::mem::transmute;
 
 thread_local! {
     /// The next frame's display time.
@@ -24,10 +24,7 @@ thread_local! {
     pub static IN_LOCATE: RefCell<Option<Box<dyn FnMut()>>> = const { RefCell::new(None) };
     /// Number of times that the gaze was located.
     pub static GAZE_LOCATED: Cell<usize> = const { Cell::new(0) };
-    /// Calls of action functions, in order.
-    pub static ACTIONS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
     static HEAD_SPACES: RefCell<Vec<xr::Space>> = const { RefCell::new(Vec::new()) };
-    static GAZE_SPACES: RefCell<Vec<xr::Space>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Each view's angle of each edge, radians.
@@ -38,31 +35,14 @@ pub const IMAGES: [u64; 3] = [501, 502, 503];
 
 /// The function of that name, if it is here.
 pub fn function(name: &str) -> Option<pfn::VoidFunction> {
-    macro_rules! table {
-        ($($name:literal $type:ident $function:ident;)*) => {
-            match name {
-                // SAFETY: any function pointer may be carried as PFN_xrVoidFunction.
-                $($name => Some(unsafe { transmute::<pfn::$type, pfn::VoidFunction>($function) }),)*
-                _ => None,
-            }
-        };
-    }
-    table! {
+    table! { name;
         "xrGetSystemProperties" GetSystemProperties get_system_properties;
-        "xrStringToPath" StringToPath string_to_path;
-        "xrPathToString" PathToString path_to_string;
-        "xrGetCurrentInteractionProfile" GetCurrentInteractionProfile get_current_profile;
         "xrWaitFrame" WaitFrame wait_frame;
         "xrBeginFrame" BeginFrame begin_frame;
         "xrLocateViews" LocateViews locate_views;
         "xrLocateSpace" LocateSpace locate_space;
         "xrCreateReferenceSpace" CreateReferenceSpace create_reference_space;
-        "xrCreateActionSpace" CreateActionSpace create_action_space;
         "xrDestroySpace" DestroySpace destroy_space;
-        "xrCreateActionSet" CreateActionSet create_action_set;
-        "xrCreateAction" CreateAction create_action;
-        "xrSuggestInteractionProfileBindings" SuggestInteractionProfileBindings suggest;
-        "xrSyncActions" SyncActions sync_actions;
         "xrCreateSwapchain" CreateSwapchain create_swapchain;
         "xrDestroySwapchain" DestroySwapchain destroy_swapchain;
         "xrEnumerateSwapchainImages" EnumerateSwapchainImages enumerate_images;
@@ -72,10 +52,6 @@ pub fn function(name: &str) -> Option<pfn::VoidFunction> {
         "xrBeginSession" BeginSession begin_session;
         "xrEndSession" EndSession end_session;
     }
-}
-
-fn note(call: &'static str) {
-    ACTIONS.with_borrow_mut(|calls| calls.push(call));
 }
 
 /// # Safety
@@ -91,45 +67,6 @@ unsafe extern "system" fn get_system_properties(
         let gaze = (*properties).next.cast::<xr::SystemEyeGazeInteractionPropertiesEXT>();
         (*gaze).supports_eye_gaze_interaction = xr::TRUE;
     }
-    xr::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn string_to_path(
-    _: xr::Instance,
-    _: *const std::ffi::c_char,
-    path: *mut xr::Path,
-) -> xr::Result {
-    // SAFETY: the layer passes a place for the path.
-    unsafe { *path = xr::Path::from_raw(1) };
-    xr::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn path_to_string(
-    _: xr::Instance,
-    _: xr::Path,
-    _: u32,
-    _: *mut u32,
-    _: *mut std::ffi::c_char,
-) -> xr::Result {
-    xr::Result::ERROR_PATH_INVALID
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn get_current_profile(
-    _: xr::Session,
-    _: xr::Path,
-    profile: *mut xr::InteractionProfileState,
-) -> xr::Result {
-    // SAFETY: the layer passes a valid structure.
-    unsafe { (*profile).interaction_profile = xr::Path::NULL };
     xr::Result::SUCCESS
 }
 
@@ -257,68 +194,6 @@ unsafe extern "system" fn create_reference_space(
 ///
 /// As the call.
 unsafe extern "system" fn destroy_space(_: xr::Space) -> xr::Result {
-    xr::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn create_action_space(
-    _: xr::Session,
-    _: *const xr::ActionSpaceCreateInfo,
-    space: *mut xr::Space,
-) -> xr::Result {
-    let made = xr::Space::from_raw(new_handle());
-    GAZE_SPACES.with_borrow_mut(|spaces| spaces.push(made));
-    // SAFETY: the layer passes a place for the handle.
-    unsafe { *space = made };
-    xr::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn create_action_set(
-    _: xr::Instance,
-    _: *const xr::ActionSetCreateInfo,
-    set: *mut xr::ActionSet,
-) -> xr::Result {
-    note("xrCreateActionSet");
-    // SAFETY: the layer passes a place for the handle.
-    unsafe { *set = xr::ActionSet::from_raw(new_handle()) };
-    xr::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn create_action(
-    _: xr::ActionSet,
-    _: *const xr::ActionCreateInfo,
-    action: *mut xr::Action,
-) -> xr::Result {
-    note("xrCreateAction");
-    // SAFETY: the layer passes a place for the handle.
-    unsafe { *action = xr::Action::from_raw(new_handle()) };
-    xr::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn suggest(
-    _: xr::Instance,
-    _: *const xr::InteractionProfileSuggestedBinding,
-) -> xr::Result {
-    note("xrSuggestInteractionProfileBindings");
-    xr::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn sync_actions(_: xr::Session, _: *const xr::ActionsSyncInfo) -> xr::Result {
-    note("xrSyncActions");
     xr::Result::SUCCESS
 }
 

@@ -14,7 +14,11 @@ pub(super) struct Application {
 
 /// Gives the layer its device, which stays where it is.
 pub(super) fn session_of_tests() -> xr::Session {
-    let instance = create_instance(&[]).unwrap();
+    session_of(create_instance(&[]).unwrap())
+}
+
+/// The same for an instance.
+pub(super) fn session_of(instance: xr::Instance) -> xr::Session {
     let handle = xr::Session::from_raw(fake::new_handle());
     let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
     // SAFETY: nothing is done on this device: no swapchain is substituted.

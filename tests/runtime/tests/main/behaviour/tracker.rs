@@ -101,6 +101,30 @@ pub fn only_the_last_set_works() {
     assert_eq!(active, [false, true]);
 }
 
+/// As with Monado.
+pub fn active_from_attachment() {
+    let app = Application::ready_with(V1_0, &[ENABLE]);
+    assert_eq!(app.begin_session(), SUCCESS);
+    let sets = [app.action_set("first"), app.action_set("second")];
+    let buttons = sets.map(|set| app.action(set, "button", xr::ActionType::BOOLEAN_INPUT));
+    let bindings = [
+        (buttons[0], "/user/hand/left/input/select/click"),
+        (buttons[1], "/user/hand/right/input/select/click"),
+    ];
+    assert_eq!(app.suggest("/interaction_profiles/khr/simple_controller", &bindings), SUCCESS);
+    let active = || buttons.map(|action| bool::from(app.boolean(action).unwrap().is_active));
+    assert_eq!(app.attach(&sets), SUCCESS);
+    assert_eq!(active(), [true, true]);
+    assert_eq!(app.sync(&[]), xr::Result::SESSION_NOT_FOCUSED);
+    empty_frame(&app);
+    assert_eq!(app.sync(&[]), SUCCESS);
+    assert_eq!(active(), [true, true]);
+    assert_eq!(app.sync(&sets[..1]), SUCCESS);
+    assert_eq!(active(), [true, false]);
+    assert_eq!(app.sync(&[]), SUCCESS);
+    assert_eq!(active(), [true, false]);
+}
+
 pub fn waits_for_a_lock() {
     let (app, space, time) = looking_with_lock();
     let scenario = std::env::var_os(SCENARIO_VARIABLE).unwrap();

@@ -9,6 +9,8 @@ use crate::session::{Layer, Session};
 use openxr_sys as xr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, Ordering};
 
+const LEFT_GRIP: &str = "/user/hand/left/input/grip/pose";
+
 /// Attached, and never synchronised.
 pub fn never_synchronises(app: &App) -> Outcome {
     synchronises_from(app, u32::MAX)
@@ -19,15 +21,28 @@ pub fn synchronises_late(app: &App) -> Outcome {
     synchronises_from(app, LOADING)
 }
 
+/// A set with the left hand: its button, and its pose.
+fn hand(controls: &Controls) -> Result<(xr::ActionSet, [xr::Action; 2]), Failure> {
+    let set = controls.set(0)?;
+    let button = controls.action(set, xr::ActionType::BOOLEAN_INPUT, &[])?;
+    let grip = controls.action(set, xr::ActionType::POSE_INPUT, &[])?;
+    controls.suggest(SIMPLE, &[(button, LEFT_SELECT), (grip, LEFT_GRIP)])?;
+    Ok((set, [button, grip]))
+}
+
 fn synchronises_from(app: &App, first: u32) -> Outcome {
     let controls = Controls::new(app);
-    let (set, button) = controls.button()?;
+    let (set, [button, grip]) = hand(&controls)?;
     let session = Session::start(app)?;
     controls.attach(&session, &[set]);
+    let space = controls.space(&session, grip)?;
     show(&session, LOADING + PLAYED, |frame| {
         if frame.index % 20 == 0 || frame.index >= LOADING {
             controls.profile(&session, "/user/hand/left")?;
             controls.look(&session, button, xr::Path::NULL);
+            if let Some(space) = space {
+                controls.pose(&session, grip, space, frame);
+            }
         }
         if frame.index >= first {
             controls.sync(&session, &[set]);
@@ -56,13 +71,17 @@ pub fn synchronises_before_attaching(app: &App) -> Outcome {
 /// No set at all is active in some frames.
 pub fn synchronises_nothing(app: &App) -> Outcome {
     let controls = Controls::new(app);
-    let (set, button) = controls.button()?;
+    let (set, [button, grip]) = hand(&controls)?;
     let session = Session::start(app)?;
     let sets = [set];
     controls.attach(&session, &sets);
+    let space = controls.space(&session, grip)?;
     show(&session, PLAYED, |frame| {
         controls.sync(&session, if frame.index % 3 == 2 { &[] } else { &sets });
         controls.look(&session, button, xr::Path::NULL);
+        if let Some(space) = space {
+            controls.pose(&session, grip, space, frame);
+        }
         Ok(())
     })?;
     session.finish()
