@@ -158,7 +158,7 @@ fn the_fovea_reaches_as_far_from_the_ray_as_from_the_eyes_directions() {
     // Of a vergence that is known, the circles are as they were.
     let mut state = crate::plan::safety::SafetyState::default();
     let mut widening = |gaze| {
-        let reasons = &mut crate::plan::reasons::Reasons::default();
+        let reasons = &mut Reasons::default();
         state.frame(&safety, None, 0, &gaze, reasons).vergence_deg
     };
     let measured = GazeState { ray: None, ..assumed };
