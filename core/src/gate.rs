@@ -11,7 +11,8 @@
 //! - Later trials are short controls of two switches, one per [`CONTROL_REST_NS`] with open eyes, or per
 //!   [`HIDDEN_REST_NS`] in saccades and blinks; only a confidence of 99.95 % changes the state.
 //! - After a trial without a decision, full trials continue in saccades and blinks alone, with rests of
-//!   [`RETRY_REST_NS`], twice that, and so on.
+//!   [`RETRY_REST_NS`], twice that, and so on. After a decision against the technique, controls continue so, and the first one with open
+//!   eyes follows after [`TRIAL_REST_NS`]: the start of a game may have been its menu.
 //! - A switch waits up to a second for a saccade or blink of eyes that are tracked.
 //!
 //! A scene is a set of eye passes. A pass that comes and goes begins no scene; its frames do not count.
@@ -69,6 +70,9 @@ pub const HIDDEN_REST_NS: i64 = 300_000_000_000;
 /// Time from a trial without a decision to the next in a saccade or blink, nanoseconds; doubled each time, up to [`HIDDEN_REST_NS`].
 pub const RETRY_REST_NS: i64 = 30_000_000_000;
 
+/// Trials against a technique, or one with open eyes after the first, after which the rests are those of any control.
+const REFUSALS: u32 = 5;
+
 /// Longest wait of a switch for a saccade or blink, nanoseconds, of eyes that had one within twice that time.
 const HIDING_NS: i64 = 1_000_000_000;
 
@@ -122,6 +126,8 @@ pub struct Gate {
     full_trials_left: u8,
     /// Trials without a decision since the last one with a decision.
     undecided: u32,
+    /// Trials in a row that left the technique off, the decision against it included.
+    refused: u32,
     last_trial_ns: Option<i64>,
     last_full_ns: Option<i64>,
     last_hidden_ns: Option<i64>,
@@ -145,6 +151,7 @@ impl Gate {
             on_since_ns: 0,
             full_trials_left: FULL_TRIALS,
             undecided: 0,
+            refused: 0,
             last_trial_ns: None,
             last_full_ns: None,
             last_hidden_ns: None,
@@ -211,7 +218,7 @@ impl Gate {
             return 0;
         }
         let Some(last) = self.last_trial_ns else { return 0 };
-        let rest_ns = self.hidden_rest_ns().min(CONTROL_REST_NS) - 10 * HIDING_NS;
+        let rest_ns = self.hidden_rest_ns().min(self.control_rest_ns()) - 10 * HIDING_NS;
         last.saturating_add(rest_ns).saturating_sub(now).max(0)
     }
 
@@ -265,7 +272,7 @@ impl Gate {
             self.last_trial_ns = Some(now);
         }
         self.recent.clear();
-        self.undecided = 0;
+        (self.undecided, self.refused) = (0, 0);
         let decision = self.scenes.decision();
         self.full_trials_left = if decision.is_none() { FULL_TRIALS } else { 0 };
         self.evidence = decision.map(|decision| decision.evidence).unwrap_or_default();
@@ -299,13 +306,18 @@ impl Gate {
         if self.full_trials_left > 0 {
             return has_elapsed(self.last_full_ns, TRIAL_REST_NS, now) || hidden;
         }
-        has_elapsed(self.last_trial_ns, CONTROL_REST_NS, now)
+        has_elapsed(self.last_trial_ns, self.control_rest_ns(), now)
             || hidden && has_elapsed(self.last_trial_ns, self.hidden_rest_ns(), now)
+    }
+
+    /// Least time from the last trial to a control with open eyes, nanoseconds.
+    fn control_rest_ns(&self) -> i64 {
+        if self.refused == 1 { TRIAL_REST_NS } else { CONTROL_REST_NS }
     }
 
     /// Least time from the last trial to one in a saccade or blink, nanoseconds.
     fn hidden_rest_ns(&self) -> i64 {
-        match self.undecided {
+        match self.undecided.max(self.refused) {
             0 => HIDDEN_REST_NS,
             trials => RETRY_REST_NS.saturating_mul(1 << (trials - 1).min(8)).min(HIDDEN_REST_NS),
         }
@@ -319,6 +331,9 @@ impl Gate {
         let span = recent.first().map_or(0, |first| now.saturating_sub(first.time_ns));
         if recent.len() < LEAST || (recent.len() < RECENT && span < SEGMENT_NS / 2) {
             return;
+        }
+        if is_seen && self.refused > 0 {
+            self.refused = self.refused.max(REFUSALS);
         }
         let trial = Trial::begin(now, self.is_kept_on, recent);
         self.trial = Some(RunningTrial::begin(trial, is_control, self.full_trials_left > 0, now));
@@ -349,7 +364,9 @@ impl Gate {
         let is_control = running.is_control;
         match step {
             Step::Switch => return running.switch(now),
-            Step::End(_, Verdict::Unclear) if is_control => {}
+            Step::End(_, Verdict::Unclear) if is_control => {
+                self.refused = if self.refused > 0 { self.refused.saturating_add(1) } else { 0 };
+            }
             Step::End(estimate, verdict) => self.decide(estimate, verdict),
             Step::GiveUp => {
                 self.full_trials_left = 0;
@@ -366,6 +383,7 @@ impl Gate {
 
     fn decide(&mut self, estimate: Option<Estimate>, verdict: Verdict) {
         self.is_kept_on = verdict == Verdict::Saves;
+        self.refused = if verdict == Verdict::SavesNothing { self.refused.saturating_add(1) } else { 0 };
         self.undecided = if verdict == Verdict::Unclear { self.undecided.saturating_add(1) } else { 0 };
         let is_promising = estimate.is_some_and(|estimate| estimate.is_promising());
         self.full_trials_left = if is_promising && verdict == Verdict::Unclear {

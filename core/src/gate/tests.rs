@@ -177,7 +177,8 @@ fn another_scene_is_judged_anew() {
         (gate.is_kept(), switches)
     };
     let mut simulation = Simulation::new(4).ratio(1.4).noise(0.05).eyes(Eyes::Rest);
-    assert_eq!(in_scene(&mut simulation, 1, 100), (false, 3));
+    // A trial, and a control a minute later.
+    assert_eq!(in_scene(&mut simulation, 1, 100), (false, 5));
     let mut simulation = simulation.ratio(0.6);
     assert_eq!(in_scene(&mut simulation, 2, 12), (true, 3));
     let mut simulation = simulation.ratio(1.4);
@@ -207,9 +208,22 @@ fn a_control_finds_what_has_changed() {
         let mut simulation = Simulation::new(8).ratio(ratio).noise(0.05).eyes(Eyes::Rest);
         let mut gate = Gate::new(GateMode::Auto);
         assert_eq!(run(&mut simulation, &mut gate, 60).on, !on);
-        let seconds = CONTROL_REST_NS / SECOND;
+        let seconds = if on { TRIAL_REST_NS } else { CONTROL_REST_NS } / SECOND;
         let run = run(&mut simulation.ratio(later), &mut gate, seconds);
         assert_eq!((run.on, run.toggles), (on, 3));
+    }
+}
+
+/// A menu with the passes of the game, at the start: its decision is soon judged again.
+#[test]
+fn a_slowdown_at_the_start_is_not_the_game_s() {
+    for (eyes, seconds) in [(Eyes::Move, 60), (Eyes::Rest, 75)] {
+        for seed in 0..12 {
+            let mut simulation = Simulation::new(seed).ratio(1.1).noise(0.05).eyes(eyes);
+            let mut gate = Gate::new(GateMode::Auto);
+            assert!(!run(&mut simulation, &mut gate, 20).on, "seed {seed}");
+            assert!(run(&mut simulation.ratio(0.7), &mut gate, seconds).on, "{eyes:?}, seed {seed}");
+        }
     }
 }
 
