@@ -188,4 +188,11 @@ impl<'a> Work<'a> {
             Err(result) => tracing::debug!("an image was not returned to the runtime: {result:?}"),
         }
     }
+
+    /// Gives the image back to the runtime as it is; the picture stays fresh, so the next frame writes it.
+    pub fn return_unwritten(&mut self, next: &Next) {
+        if let Err(result) = self.target.release_unwritten(next, self.swapchain.handle) {
+            tracing::debug!("an unwritten image was not returned to the runtime: {result:?}");
+        }
+    }
 }
