@@ -94,6 +94,8 @@ pub struct ShownEyeBuffer {
     pub time: xr::Time,
     /// Number of its release, counted from 1.
     pub release: u64,
+    /// Whether it is a copy of the picture before, drawn by no pass of this frame.
+    pub is_copied: bool,
     /// Index of the application's image that contains it.
     pub image_index: u32,
     /// Array layer of that image.
@@ -336,7 +338,10 @@ impl EyeHistory {
             true => self.pictures.pop().map(|kept| kept.stale).unwrap_or_default(),
             false => StaleTiles::default(),
         };
-        stale(&mut tiles);
+        match self.pictures.first().filter(|_| shown.0.is_copied && self.len > 0) {
+            Some(before) => tiles.clone_from(&before.stale),
+            None => stale(&mut tiles),
+        }
         self.pushed += 1;
         self.pictures.insert(0, Kept::new(self.pushed, shown, tiles));
         self.len = (self.len + 1).min(self.pictures.len());

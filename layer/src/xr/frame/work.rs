@@ -96,6 +96,7 @@ impl<'a> Work<'a> {
             rests: rests(space),
             time,
             release: self.newest.release,
+            is_copied: false,
             image_index: self.newest.index,
             array_layer: view.sub_image.image_array_index,
             rect,

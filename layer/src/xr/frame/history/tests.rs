@@ -18,6 +18,7 @@ fn shown(number: u64) -> ShownEyeBuffer {
         rests: true,
         time: xr::Time::from_nanos(number as i64 * FRAME_NS),
         release: number,
+        is_copied: false,
         image_index: (number % 5) as u32,
         array_layer: 0,
         rect: vk::Rect2D { offset: vk::Offset2D { x: 64, y: 0 }, extent },
@@ -184,6 +185,20 @@ fn a_picture_that_returns_after_a_pause_keeps_its_stale_tiles() {
     let other = ShownEyeBuffer { substitute: 2, ..shown(2) };
     history.show(0, Some((&other, None)), ALWAYS, nothing_is_stale);
     assert!(history.region(0, CompletionSettings::PAPER).is_none(), "a release of another swapchain");
+}
+
+/// No pass draws while an application is paused, and its last picture is copied to each release.
+#[test]
+fn a_copy_has_the_stale_tiles_of_the_picture_before() {
+    let mut history = of_two();
+    let copy = ShownEyeBuffer { is_copied: true, ..shown(3) };
+    history.show(0, Some((&copy, None)), ALWAYS, |_| panic!("nothing was drawn"));
+    history.complete(0, CompletionSettings::PAPER, None, None);
+    let region = history.region(0, CompletionSettings::PAPER).unwrap();
+    assert_eq!(region.lists.full[1].len(), 1, "from the whole picture, two before");
+    let mut history = History::default();
+    history.show(0, Some((&copy, None)), ALWAYS, left_half_is_stale);
+    assert_eq!(ages(&history), 0, "the picture before is unknown");
 }
 
 /// An application recentres by another reference space: this frame has stale tiles, and the head has hardly turned.
