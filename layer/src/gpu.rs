@@ -65,7 +65,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use submit_times::{SubmitTime, SubmitTimes};
 
-/// Number of our submits of one purpose that may be in flight before the next one waits; of depth, for each eye.
+/// Number of our submits of pictures that may be in flight before the next one waits, and of debug views; of depth, for each eye.
 pub(crate) const SUBMITS_IN_FLIGHT: usize = 3;
 
 /// One device of the application, with the queue that our work goes to, if it goes to one of its own.
@@ -275,10 +275,10 @@ impl Gpu {
         &self,
         record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
     ) -> Result<u64, GpuError> {
-        self.next_submit(Purpose::Pictures)?.submit(None, record)
+        self.next_submit(Purpose::NewImages)?.submit(None, record)
     }
 
-    /// The next submit, before anything is recorded. Waits only while [`SUBMITS_IN_FLIGHT`] submits of that purpose are under way.
+    /// The next submit, before anything is recorded. Waits only while all slots of that purpose are under way.
     ///
     /// # Errors
     /// [`GpuError::Timeout`] after a long wait: a later call may succeed. [`GpuError::Abandoned`]; [`GpuError::Invalid`] without a queue.

@@ -97,6 +97,8 @@ pub struct Masks {
     /// The colour of passes that go on with depth of several samples which an earlier pass without colour has cleared, by that depth, and how
     /// many passes of the command buffer cleared it before.
     chains: Table<(ImageKey, u32), Target>,
+    /// Images of several samples that maps have fills of.
+    filled: Table<ImageKey, ()>,
     /// Whether an application's pipeline has dynamic state that pipelines of ours would change and that could not be restored.
     extends_dynamic: AtomicBool,
 }
@@ -128,6 +130,7 @@ impl Masks {
             loaded: Table::default(),
             cleared: Table::default(),
             chains: Table::default(),
+            filled: Table::default(),
             extends_dynamic: AtomicBool::new(false),
         }
     }
@@ -170,11 +173,12 @@ impl Masks {
         self.kernels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// An image is about to be destroyed.
-    pub fn forget_image(&self, image: ImageKey) {
+    /// An image is about to be destroyed. Returns whether maps may have fills of it, for [`TargetMask::forget_image`].
+    pub fn forget_image(&self, image: ImageKey) -> bool {
         self.loaded.remove(image);
         self.cleared.remove(image);
         drop(self.chains.remove_where(|(depth, _), color| *depth == image || color.image == image));
+        self.filled.remove(image).is_some()
     }
 
     /// Destroys all objects of ours: the device is about to be destroyed. Objects that are still referenced are never destroyed.

@@ -1,7 +1,7 @@
 //! A ring of submits, each with command buffers and a fence, so that a submit seldom waits and allocates nothing.
 
 use super::recordings::{Found, RecordingKey, Recordings, allocate};
-use super::slots::{Purpose, SLOTS, SlotIndex};
+use super::slots::{PURPOSES, Purpose, SLOTS, SlotIndex};
 use super::submit_times::{SubmitTime, SubmitTimes};
 use super::{Gpu, GpuError, Recorder};
 use crate::link::DeviceRecord;
@@ -36,7 +36,7 @@ pub(super) struct CommandRing {
     record: DeviceRecord,
     slots: [Slot; SLOTS],
     /// Number of submits so far, by [`Purpose`].
-    counts: [usize; 3],
+    counts: [usize; PURPOSES],
     /// Number of the last submit; they count from 1.
     last_submit: u64,
     /// The submits up to this number are known to have finished.
@@ -66,7 +66,7 @@ impl CommandRing {
             pool,
             record: *record,
             slots,
-            counts: [0; 3],
+            counts: [0; PURPOSES],
             last_submit: 0,
             last_finished: 0,
             is_behind: false,

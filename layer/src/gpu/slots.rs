@@ -6,12 +6,14 @@ use std::ops::Range;
 /// The purpose of a submit. Each has slots of its own, so that no submit of a frame waits for another one of the same frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// New images, and the pictures of a frame.
+    /// The pictures of a frame.
     Pictures,
     /// Copies of depth, of both eyes.
     Depth,
     /// Debug views over finished pictures.
     DebugView,
+    /// New images of a swapchain, of which applications create several in one frame.
+    NewImages,
 }
 
 impl Purpose {
@@ -20,13 +22,20 @@ impl Purpose {
         match self {
             Self::Pictures => 0..SUBMITS_IN_FLIGHT,
             Self::DebugView => SUBMITS_IN_FLIGHT..2 * SUBMITS_IN_FLIGHT,
-            Self::Depth => 2 * SUBMITS_IN_FLIGHT..SLOTS,
+            Self::Depth => 2 * SUBMITS_IN_FLIGHT..4 * SUBMITS_IN_FLIGHT,
+            Self::NewImages => 4 * SUBMITS_IN_FLIGHT..SLOTS,
         }
     }
 }
 
+/// Number of purposes.
+pub(super) const PURPOSES: usize = 4;
+
+/// Number of swapchains whose new images are prepared without a wait.
+const NEW_SWAPCHAINS: usize = 8;
+
 /// Number of slots of all purposes: a frame has two copies of depth.
-pub(super) const SLOTS: usize = 4 * SUBMITS_IN_FLIGHT;
+pub(super) const SLOTS: usize = 4 * SUBMITS_IN_FLIGHT + NEW_SWAPCHAINS;
 
 /// A slot of the ring: memory that is kept per slot may be written until its submit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +56,7 @@ impl SlotIndex {
         self.purpose
     }
 
-    /// Below [`SUBMITS_IN_FLIGHT`], but for [`Purpose::Depth`].
+    /// Below [`SUBMITS_IN_FLIGHT`], but for [`Purpose::Depth`] and [`Purpose::NewImages`].
     pub(crate) fn get(self) -> usize {
         self.index
     }
@@ -65,7 +74,9 @@ mod tests {
     #[test]
     fn purposes_share_no_slot() {
         let mut seen = Vec::new();
-        for purpose in [Purpose::Pictures, Purpose::Depth, Purpose::DebugView] {
+        let purposes = [Purpose::Pictures, Purpose::Depth, Purpose::DebugView, Purpose::NewImages];
+        assert!(purposes.map(|purpose| purpose as usize).into_iter().eq(0..PURPOSES));
+        for purpose in purposes {
             let slots = |count| SlotIndex::after(purpose, count).of_all();
             let each = purpose.slots().len();
             seen.extend((0..each).map(slots));

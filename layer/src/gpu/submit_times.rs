@@ -17,6 +17,12 @@ pub(crate) struct SubmitTime {
 /// Stage at which timestamps are written: after all earlier commands.
 const DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
 
+/// Number of times that are kept until they are taken.
+const MOST_KEPT: usize = 64;
+
+// Those of all submits under way are.
+const _: () = assert!(MOST_KEPT >= 2 * SLOTS);
+
 /// The times of a ring of command buffers. Allocates nothing as long as they are taken.
 pub(super) struct SubmitTimes {
     /// Two queries for each command buffer; null until times are requested.
@@ -29,7 +35,7 @@ pub(super) struct SubmitTimes {
     frame: Option<u64>,
     /// The frame of each command buffer whose timestamps were not read.
     unread: [Option<u64>; SLOTS],
-    known: SmallVec<[SubmitTime; 2 * SLOTS]>,
+    known: SmallVec<[SubmitTime; MOST_KEPT]>,
 }
 
 impl SubmitTimes {
@@ -130,7 +136,7 @@ impl SubmitTimes {
 
     /// Adds a time; the oldest is dropped if too many were not taken.
     fn add(&mut self, time: SubmitTime) {
-        if self.known.len() == 2 * SLOTS {
+        if self.known.len() == MOST_KEPT {
             self.known.remove(0);
         }
         self.known.push(time);
@@ -162,10 +168,10 @@ mod tests {
         times.unread[2] = Some(99);
         let mut taken = Vec::new();
         assert_eq!(times.take(|time| taken.push(time.frame)), Some(99));
-        assert!(taken.iter().copied().eq(100 - 2 * SLOTS as u64..100), "{taken:?}");
+        assert!(taken.iter().copied().eq(100 - MOST_KEPT as u64..100), "{taken:?}");
         assert!(!times.known.spilled());
         times.unread = [None; SLOTS];
         assert_eq!(times.take(|time| taken.push(time.frame)), None);
-        assert_eq!(taken.len(), 2 * SLOTS);
+        assert_eq!(taken.len(), MOST_KEPT);
     }
 }

@@ -74,7 +74,7 @@ impl Recognition {
         self.memory.meet(self.frame, events, describe);
         self.swapchains.show(self.frame, shown, &mut self.memory);
         trace::transfers(self.frame, events, &self.swapchains, &mut self.memory);
-        self.find_candidates(events);
+        self.find_candidates(events, shown);
         if !shown.views.is_empty() {
             self.memory.count_misses(self.frame);
         }
@@ -85,6 +85,11 @@ impl Recognition {
         self.pass_history = cast;
         self.memory.forget(self.frame);
         self.swapchains.forget(self.frame);
+    }
+
+    /// Frames have ended that it does not learn from.
+    pub fn miss(&mut self) {
+        self.feedback.miss();
     }
 
     /// The verdict on `pass`, which is about to be submitted after `earlier`, the passes and transfers since the last [`Self::frame`].
@@ -206,7 +211,7 @@ impl Recognition {
     }
 
     /// Works out where the picture comes from, and remembers it by image.
-    fn find_candidates(&mut self, events: &[Event]) {
+    fn find_candidates(&mut self, events: &[Event], shown: &Shown) {
         let known = Known { frame: self.frame, memory: &self.memory, swapchains: &self.swapchains };
         let mut told = self.provenance.learn(events, &known, false);
         // Long without a camera before the reader: it reads passes from before the last xrEndFrame, submitted on a thread of their own.
@@ -220,8 +225,8 @@ impl Recognition {
             self.candidates = (told.candidates, self.frame);
         }
         let is_unsure = told.unknown_reader.is_some() && self.frame < self.candidates.1 + STEADY;
-        let least = self.swapchains.least_picture();
-        self.feedback.learn(self.frame, events, (&self.provenance, told), (&mut self.memory, least));
+        let known = (&mut self.memory, &self.swapchains);
+        self.feedback.learn(self.frame, events, (&self.provenance, told), known, shown);
         if told.is_direct {
             self.drawn_directly_at = Some(self.frame);
         }

@@ -205,8 +205,8 @@ impl Armed {
     /// Forgets the passes that drew to an image that is about to be destroyed: the GPU is done with it.
     pub fn forget_drawn(&self, image: ImageKey) {
         self.candidates.forget(image);
-        if let Some(masks) = &self.masks {
-            masks.forget_image(image);
+        if self.masks.as_ref().is_some_and(|masks| masks.forget_image(image)) {
+            self.candidates.forget_fills(image);
         }
     }
 

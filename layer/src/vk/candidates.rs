@@ -140,6 +140,12 @@ impl Candidates {
         drop(self.live.remove_where(|(target, _), _| target.image == image));
     }
 
+    /// Drops the fills of an image that is about to be destroyed, in the masks of other images.
+    pub fn forget_fills(&self, image: ImageKey) {
+        let live = self.live.all();
+        live.iter().filter_map(|candidate| candidate.mask()).for_each(|mask| mask.forget_image(image));
+    }
+
     /// Forgets all, before the device is destroyed.
     pub fn clear(&self) {
         drop(self.live.remove_where(|_, _| true));

@@ -142,7 +142,11 @@ pub fn tracked(handle: vk::CommandBuffer) -> Option<Arc<Buffer>> {
 
 /// Forgets a command buffer that is about to be freed.
 fn forget(handle: vk::CommandBuffer) {
-    if BUFFERS.remove(handle).is_none_or(|known| known.recordings.is_untracked()) {
+    let known = BUFFERS.remove(handle);
+    if let Some(rates) = known.as_ref().and_then(|known| known.armed.rate_attachments.as_ref()) {
+        rates.set_rates.forget(handle);
+    }
+    if known.is_none_or(|known| known.recordings.is_untracked()) {
         untracked::forget(handle);
     }
 }

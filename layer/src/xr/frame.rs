@@ -287,10 +287,11 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
             }
         }
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
-        // it gets its image as it is.
+        // it gets its image as it is, until the next frame.
         Err(error @ GpuError::Timeout) => {
             error.log("the headset shows earlier images until the device catches up");
-            works.retain(|work| !work.has_picture());
+            works.iter_mut().filter(|work| !work.has_picture()).for_each(|work| work.return_unwritten(next));
+            return Ok(());
         }
         // It is short of memory, or lost: this frame shows the last pictures, and the next one tries again.
         Err(error) => {

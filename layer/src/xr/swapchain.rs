@@ -202,7 +202,7 @@ pub fn newest_image(handle: xr::Swapchain) -> Option<u32> {
     SWAPCHAINS.get(handle)?.newest_image()
 }
 
-/// The depth of the image of that swapchain that the application released last, if it was copied.
+/// The depth of the image of that swapchain that the application released last, for an eye's view, if it was copied; from then on it is.
 pub fn newest_depth(handle: xr::Swapchain) -> Option<NewestDepth> {
     SWAPCHAINS.get(handle)?.newest_depth()
 }

@@ -41,7 +41,7 @@ impl Swapchain {
             })
             .collect();
         let app = AppImages::new(&vulkan.gpu, shape, count).unwrap();
-        app.make_ready().unwrap();
+        app.make_ready(0).unwrap();
         Self {
             app,
             runtime: RuntimeImages::new(&vulkan.gpu, shape, handles.clone()).unwrap(),

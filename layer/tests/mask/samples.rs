@@ -138,3 +138,29 @@ fn samples_of_depth_are_filled_as_in_the_reference() {
 fn pixel(index: usize) -> [u32; 2] {
     [index as u32 % EXTENT[0], index as u32 / EXTENT[0]]
 }
+
+/// An application may create its depth again, as for another resolution, and keep its colour.
+#[test]
+fn fills_end_with_their_images() {
+    let vulkan = Vulkan::at(vk::API_VERSION_1_1);
+    let picture = Picture::new(&vulkan, COLOR, true);
+    // SAFETY: the device is never destroyed.
+    let gpu = &unsafe { Gpu::without_queue(&vulkan.record) }.unwrap();
+    let kernels = Arc::new(MaskKernels::new(gpu).unwrap());
+    let map = MaskMap::new(gpu, &kernels, MaskMethod::RETURN, EXTENT, LAYERS).unwrap();
+    let kernel = Arc::new(SampleKernel::new(gpu, picture.kind).unwrap());
+    let prepare = |image| {
+        let target = Target { image: ImageKey(image), level: 0, base_layer: 0, layers: LAYERS };
+        map.prepare_samples(target, picture.part(), (&kernel, picture.kind.format)).unwrap();
+        gpu.memory_used()
+    };
+    let of_one = prepare(1);
+    let of_two = prepare(2);
+    assert!(of_two > of_one && prepare(2) == of_two, "each is made once");
+    map.forget_image(ImageKey(2));
+    assert_eq!(gpu.memory_used(), of_one);
+    assert_eq!(prepare(1), of_one, "the other one is kept");
+    map.forget_image(ImageKey(1));
+    assert!(gpu.memory_used() < of_one);
+    vulkan.assert_valid();
+}

@@ -54,6 +54,11 @@ impl SetRates {
         self.recorded.insert(buffer, Recorded { is_left_alone, ..Recorded::default() });
     }
 
+    /// A command buffer is about to be freed.
+    pub fn forget(&self, buffer: vk::CommandBuffer) {
+        self.recorded.remove(buffer);
+    }
+
     /// A pass begins: the rate to set for it, if that changes the one that is set. In a pass that `is_left_alone`, which has the application's
     /// own rate attachment or none, the application's own rate counts.
     pub fn pass_begins(&self, buffer: vk::CommandBuffer, is_left_alone: bool) -> Option<SetRate> {
@@ -274,6 +279,22 @@ mod tests {
             assert_eq!(rates.bound(buffer(1), careful), None);
             assert_eq!(rates.set(buffer(1), own), expected);
         }
+    }
+
+    /// Another command buffer may get the handle.
+    #[test]
+    fn a_freed_command_buffer_has_no_rate() {
+        let rates = by_application();
+        let own = SetRate { combiners: [Combiner::KEEP, Combiner::REPLACE], ..KEEPS };
+        rates.set(buffer(1), own);
+        rates.set(buffer(2), own);
+        rates.forget(buffer(1));
+        let careful = PipelineRate::Application { every_pixel: true };
+        assert_eq!(rates.bound(buffer(1), careful), None, "nothing is set yet");
+        assert_eq!(rates.bound(buffer(2), careful), Some(KEEPS));
+        assert_eq!(rates.recorded.all().len(), 2);
+        [1, 2].map(buffer).into_iter().for_each(|freed| rates.forget(freed));
+        assert!(rates.recorded.all().is_empty());
     }
 
     #[test]

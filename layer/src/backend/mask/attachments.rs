@@ -68,7 +68,7 @@ impl Attachments {
         };
         let colors = pass.colors.iter().chain(&pass.resolves).filter_map(|&index| {
             let (target, attachment) = at(index)?;
-            let is_stored = attachment.store != vk::AttachmentStoreOp::DONT_CARE;
+            let is_stored = keeps_drawn(attachment.store);
             let format = attachment.format;
             Some(ColorAttachment { target, format, is_stored, layout: attachment.final_layout })
         });
@@ -162,6 +162,11 @@ impl Attachments {
     }
 }
 
+/// Whether colour that a pass draws is there after it: NONE leaves it undefined, too (Vulkan specification, `VkAttachmentStoreOp`).
+fn keeps_drawn(store: vk::AttachmentStoreOp) -> bool {
+    store == vk::AttachmentStoreOp::STORE
+}
+
 /// Whether depth in this layout can be an attachment and nothing else (Vulkan specification, "Image Layouts").
 pub(super) fn is_written(layout: vk::ImageLayout) -> bool {
     use vk::ImageLayout as Layout;
@@ -193,10 +198,9 @@ pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<
         }
         Some(ColorAttachment { target, format: known.format, is_stored, layout })
     };
-    let drawn = colors.iter().filter_map(|found| {
-        let is_stored = found.store_op != vk::AttachmentStoreOp::DONT_CARE;
-        one(found.image_view, found.image_layout, is_stored)
-    });
+    let drawn = colors
+        .iter()
+        .filter_map(|found| one(found.image_view, found.image_layout, keeps_drawn(found.store_op)));
     let resolved = colors.iter().filter(|found| found.resolve_mode != vk::ResolveModeFlags::NONE);
     let resolved =
         resolved.filter_map(|found| one(found.resolve_image_view, found.resolve_image_layout, true));
@@ -219,4 +223,44 @@ pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<
         })
     });
     Attachments { depth, colors: drawn.chain(resolved).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pass_detection::PassFacts;
+    use crate::vk::objects::render_passes::Attachment;
+    use smallvec::smallvec;
+
+    /// Samples that are resolved, with this store.
+    fn attachment(store: vk::AttachmentStoreOp) -> Attachment {
+        Attachment {
+            format: vk::Format::R8G8B8A8_SRGB,
+            samples: vk::SampleCountFlags::TYPE_4,
+            load: vk::AttachmentLoadOp::CLEAR,
+            store,
+            stencil_load: vk::AttachmentLoadOp::DONT_CARE,
+            stencil_store: vk::AttachmentStoreOp::DONT_CARE,
+            initial_layout: vk::ImageLayout::UNDEFINED,
+            final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        }
+    }
+
+    #[test]
+    fn only_colour_that_is_there_after_a_pass_is_stored() {
+        use vk::AttachmentStoreOp as Store;
+        let pass = RenderPass {
+            attachments: [Store::STORE, Store::DONT_CARE, Store::NONE].map(attachment).to_vec(),
+            subpasses: vec![],
+            colors: smallvec![0, 1, 2],
+            resolves: smallvec![],
+            depth: None,
+            view_mask: 0,
+            facts: PassFacts::default(),
+        };
+        let target = |image| Some(Target { image: ImageKey(image), level: 0, base_layer: 0, layers: 1 });
+        let attachments = Attachments::of_render_pass(&pass, &[1, 2, 3].map(target), &[], false);
+        let stored: Vec<_> = attachments.colors.iter().map(|color| color.is_stored).collect();
+        assert_eq!(stored, [true, false, false]);
+    }
 }

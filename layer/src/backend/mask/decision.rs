@@ -217,6 +217,7 @@ impl Masks {
             is_color: part.aspects == vk::ImageAspectFlags::COLOR,
         };
         let kernel = self.sample_kernel(kind)?;
+        self.filled.insert(of.image, ());
         let fill = map.prepare_samples(of, part, (&kernel, image.format)).map_err(|error| {
             error.log("no mask for a render pass");
             Unmasked::Failed

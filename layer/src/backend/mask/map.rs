@@ -6,7 +6,7 @@ use crate::kernels::depth::DepthCopy;
 use crate::kernels::fill::{FillTarget, SkipBuffer, fill_format};
 use crate::kernels::mask::MaskOutput;
 use crate::kernels::samples::{SampleFill, SampleKernel, Skipped};
-use crate::pass_detection::{Part, Target};
+use crate::pass_detection::{ImageKey, Part, Target};
 use crate::rate_map::RateImage;
 use ash::vk;
 use parafovea_core::kernels::samples::SampleParams;
@@ -253,6 +253,19 @@ impl MaskMap {
         } else if let Some(target) = self.target(format) {
             fill.record_color(commands, (&self.kernels.fill, &target, &self.list), part, layout);
         }
+    }
+
+    /// Drops the fills of an image that is about to be destroyed.
+    pub fn forget_image(&self, image: ImageKey) {
+        let gone: SampleFills = {
+            let mut kept = self.kept_samples();
+            let fills = std::mem::take(&mut *kept).into_iter();
+            let (gone, left) = fills.partition(|(target, _)| target.image == image);
+            *kept = left;
+            gone
+        };
+        // Without the lock.
+        drop(gone);
     }
 
     fn kept_samples(&self) -> MutexGuard<'_, SampleFills> {

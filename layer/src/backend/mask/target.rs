@@ -5,7 +5,7 @@ use crate::backend::mask::{Eligible, MaskMap, MaskMethod, PipelineFacts};
 use crate::backend::{MapForm, MapSize, RateMap, Upload};
 use crate::gpu::{AppCommands, Compilation, Later};
 use crate::kernels::mask::MaskOutput;
-use crate::pass_detection::{How, ImageDescription, Part, PassFacts, Target, Unmasked};
+use crate::pass_detection::{How, ImageDescription, ImageKey, Part, PassFacts, Target, Unmasked};
 use crate::rate_map::RateImage;
 use crate::status::{Topic, decided};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -272,6 +272,13 @@ impl TargetMask {
                     ),
                 ),
             }
+        }
+    }
+
+    /// Drops the fills of an image that is about to be destroyed.
+    pub fn forget_image(&self, image: ImageKey) {
+        if let Some(map) = self.made() {
+            map.forget_image(image);
         }
     }
 

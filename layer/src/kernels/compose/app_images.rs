@@ -107,18 +107,22 @@ impl AppImages {
         })
     }
 
-    /// Brings the images to COLOR_ATTACHMENT_OPTIMAL, with a submit. Once, before the application gets one.
+    /// Brings the images from number `first` on to COLOR_ATTACHMENT_OPTIMAL, with a submit. Their content is lost: the application has not
+    /// had them yet.
     ///
     /// # Errors
     /// [`GpuError::Timeout`] when earlier submits hang; a failed call. Then nothing was submitted.
-    pub fn make_ready(&self) -> Result<(), GpuError> {
+    pub fn make_ready(&self, first: u32) -> Result<(), GpuError> {
+        let Some(new) = self.handles.get(first as usize..).filter(|new| !new.is_empty()) else {
+            return Ok(());
+        };
         let submit = self.gpu.submit(|recorder| {
-            for &image in &self.handles {
+            for &image in new {
                 recorder.barrier(&APP_CREATED, image, self.shape.array_layers);
             }
             Ok(())
         })?;
-        (0..self.handles.len()).for_each(|image| self.mark(image as u32, submit));
+        (first..self.handles.len() as u32).for_each(|image| self.mark(image, submit));
         Ok(())
     }
 

@@ -5,8 +5,10 @@
 
 use super::HOLD;
 use super::memory::Memory;
+use super::projected::Swapchains;
 use super::provenance::{Findings, Provenance, Role};
-use crate::pass_detection::{Event, ImageKey, Pass};
+use crate::pass_detection::{Event, ImageKey, Pass, Shown, SwapchainKey, Transfer};
+use smallvec::SmallVec;
 use std::fmt;
 
 /// Use of earlier frames' images in the displayed image.
@@ -15,7 +17,7 @@ pub enum Feedback {
     /// It is made of this frame's passes.
     #[default]
     None,
-    /// It is made of a scene that was drawn before the last xrEndFrame, whose stale tiles are not known with its picture.
+    /// It was drawn, or made of a scene that was drawn, before the last xrEndFrame: its stale tiles are not known with its picture.
     Ahead,
     /// A pass before it may read anything.
     Unknown,
@@ -67,6 +69,8 @@ pub(super) struct FeedbackEvidence {
     ahead_at: Option<u64>,
     unknown_at: Option<u64>,
     read_at: Option<u64>,
+    /// Swapchains of eyes in the last frame, and their shown images; empty if that frame is not known.
+    last_shown: SmallVec<[(SwapchainKey, ImageKey); 4]>,
 }
 
 impl FeedbackEvidence {
@@ -81,14 +85,21 @@ impl FeedbackEvidence {
         }
     }
 
-    /// Takes a frame, whose passes have their roles, and whose eye buffers are at least of the size `least`, pixels.
+    /// Frames have passed that nothing is known of.
+    pub(super) fn miss(&mut self) {
+        self.last_shown.clear();
+    }
+
+    /// Takes a frame, whose passes have their roles, and its submission.
     pub(super) fn learn(
         &mut self,
         frame: u64,
         events: &[Event],
         (provenance, told): (&Provenance, Findings),
-        (memory, least): (&mut Memory, [f32; 2]),
+        (memory, swapchains): (&mut Memory, &Swapchains),
+        shown: &Shown,
     ) {
+        let least = swapchains.least_picture();
         if told.unknown_reader.is_some_and(|reader| !copies_drawn(events, reader, memory)) {
             self.unknown_at = Some(frame);
         }
@@ -121,16 +132,17 @@ impl FeedbackEvidence {
                     }
                 }
                 Event::Transfer(transfer) => {
-                    let is_shown =
-                        memory.description(transfer.to.image).is_some_and(|to| to.swapchain.is_some());
-                    let kept = memory.eye_picture(transfer.from.image);
-                    is_drawn_ahead |= is_shown && kept.is_some_and(|kept| kept.is_ahead(frame, index));
+                    // The stale tiles of this frame's passes are not those of an earlier picture.
+                    let is_earlier =
+                        || memory.eye_picture(transfer.from.image).is_some_and(|kept| kept.frame < frame);
+                    is_drawn_ahead |= shows_picture(transfer, memory, swapchains) && is_earlier();
                     let from = memory.eye_picture(transfer.from.image).filter(|from| from.frame == frame);
                     let picture = from.map(|_| EyePicture { frame, index, is_passed_on: true });
                     memory.set_eye_picture(transfer.to.image, picture);
                 }
             }
         }
+        is_drawn_ahead |= self.shows_earlier(frame, memory, shown);
         if reads {
             self.read_at = Some(frame);
         }
@@ -138,6 +150,32 @@ impl FeedbackEvidence {
             self.ahead_at = Some(frame);
         }
     }
+
+    /// Takes the images that a frame shows. Returns whether one of them is new, and was drawn in an earlier frame.
+    fn shows_earlier(&mut self, frame: u64, memory: &Memory, shown: &Shown) -> bool {
+        let of_eyes = || {
+            let views = shown.views.iter().filter(|view| view.eye.is_some());
+            views.filter_map(|view| Some((view.swapchain, view.image?)))
+        };
+        let is_new = |(swapchain, image): &(SwapchainKey, ImageKey)| {
+            let mut last = self.last_shown.iter();
+            last.any(|(known, before)| known == swapchain && before != image)
+        };
+        let is_earlier =
+            |(_, image): (_, ImageKey)| memory.eye_picture(image).is_some_and(|kept| kept.frame < frame);
+        let shows_earlier = of_eyes().filter(is_new).any(is_earlier);
+        self.last_shown.clear();
+        self.last_shown.extend(of_eyes());
+        shows_earlier
+    }
+}
+
+/// Whether a transfer makes an eye buffer in a swapchain, and not a small part of one.
+fn shows_picture(transfer: &Transfer, memory: &Memory, swapchains: &Swapchains) -> bool {
+    let swapchain = memory.description(transfer.to.image).and_then(|to| to.swapchain);
+    let extent = [transfer.to_rect[2].unsigned_abs(), transfer.to_rect[3].unsigned_abs()];
+    swapchain.is_some_and(|key| swapchains.shows_eyes(key, &transfer.to))
+        && is_picture(extent, swapchains.least_picture())
 }
 
 /// Least side of an image that keeps a picture, in sides of the picture that is shown: exposure and the like are smaller, and forget.

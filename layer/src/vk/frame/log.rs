@@ -70,6 +70,7 @@ impl Log {
     /// Skips frames whose passes were not followed.
     pub fn skip(&mut self, frames: u32) {
         self.frame += u64::from(frames);
+        self.recognition.miss();
     }
 
     /// Commands are submitted for the first time that were not tracked.
@@ -168,6 +169,8 @@ impl Log {
         // Eye passes of a frame that was not followed are assumed to be the same as in the last sample.
         if self.learns() {
             self.last_eye_passes = self.eye_passes.number();
+        } else {
+            self.recognition.miss();
         }
         self.is_incomplete = false;
         self.events.clear();

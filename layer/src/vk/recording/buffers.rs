@@ -220,7 +220,8 @@ pub unsafe extern "system" fn begin(
     })
 }
 
-/// The render pass that a secondary command buffer continues; `None` in dynamic rendering, and outside of render passes.
+/// The render pass that a secondary command buffer continues: null in dynamic rendering, which may have the application's own rate attachment;
+/// `None` outside of render passes.
 ///
 /// # Safety
 ///
@@ -231,7 +232,7 @@ unsafe fn continued_pass(info: &vk::CommandBufferBeginInfo<'_>) -> Option<vk::Re
         let continues = info.flags.contains(vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE);
         if continues { info.p_inheritance_info.as_ref() } else { None }
     };
-    inherited.map(|inherited| inherited.render_pass).filter(|pass| *pass != vk::RenderPass::null())
+    inherited.map(|inherited| inherited.render_pass)
 }
 
 /// `vkResetCommandBuffer`.
@@ -307,8 +308,24 @@ pub unsafe extern "system" fn execute(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ash::vk::Handle;
     use std::thread::scope;
     use std::time::Duration;
+
+    #[test]
+    fn secondary_command_buffers_continue_a_pass_or_dynamic_rendering() {
+        let continues = vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE;
+        let (pass, none) = (vk::RenderPass::from_raw(1), vk::RenderPass::null());
+        let empty = vk::CommandBufferUsageFlags::empty();
+        for (flags, inherited, expected) in
+            [(continues, pass, Some(pass)), (continues, none, Some(none)), (empty, pass, None)]
+        {
+            let inheritance = vk::CommandBufferInheritanceInfo::default().render_pass(inherited);
+            let info = vk::CommandBufferBeginInfo::default().flags(flags).inheritance_info(&inheritance);
+            // SAFETY: a valid structure.
+            assert_eq!(unsafe { continued_pass(&info) }, expected);
+        }
+    }
 
     #[test]
     fn a_record_that_another_thread_reads_is_waited_for() {

@@ -115,6 +115,11 @@ fn passes_with_an_attachment_of_the_applications_have_its_rates() {
     // SAFETY: the device is live.
     let armed = unsafe { device::of(device) }.and_then(|device| device.armed.clone()).unwrap();
     let buffer = recording::keep(&armed, handle);
+    let rates = armed.rate_attachments.as_ref();
+    assert!(
+        rates.is_some_and(|rates| rates.leaves_alone(vk::RenderPass::null())),
+        "a secondary command buffer in dynamic rendering may have its attachment"
+    );
     drop(armed);
     macro_rules! hook {
         ($name:literal: $pfn:ident) => {

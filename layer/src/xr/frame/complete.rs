@@ -4,6 +4,7 @@ use super::history::{CompletionSettings, Expected, History, ShownEyeBuffer};
 use super::work::{Regions, Work};
 use super::{FrameEnd, Works, depth};
 use crate::config::{Config, longest_period, wants_reuse};
+use crate::pass_detection::Feedback;
 use crate::planner::{SessionPlanner, View, Watched};
 use crate::xr::plan::PlanWork;
 use crate::xr::session::{Health, Tools};
@@ -41,6 +42,8 @@ pub fn complete<'a>(
         };
         submission.projections().find(is_known)
     });
+    // An application that is paused may copy its last picture for each frame.
+    let is_copied = report.feedback == Feedback::Ahead && report.eye_passes == 0;
     let watched = watched(&active.plan.planner(), config);
     let mut kept = [false; 2];
     let mut sorted = active.plan.sorted();
@@ -65,7 +68,8 @@ pub fn complete<'a>(
             let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
             let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
             let depth = view.and_then(depth::of);
-            let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
+            let picture = shown.as_ref().map(|(picture, _)| ShownEyeBuffer { is_copied, ..*picture });
+            let picture = picture.as_ref().map(|picture| (picture, depth));
             let goes_on = history.show(eye, picture, is_intact, |stale| {
                 std::mem::swap(stale, &mut report.stale[eye]);
             });

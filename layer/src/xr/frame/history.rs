@@ -94,6 +94,8 @@ pub struct ShownEyeBuffer {
     pub time: xr::Time,
     /// Number of its release, counted from 1.
     pub release: u64,
+    /// Whether it is a copy of the picture before, drawn by no pass of this frame.
+    pub is_copied: bool,
     /// Index of the application's image that contains it.
     pub image_index: u32,
     /// Array layer of that image.
@@ -296,7 +298,10 @@ impl EyeHistory {
             self.keep(self.len.min(1));
         }
         let (was_of, was_in) = self.of.unzip();
-        let last = self.pictures.first().filter(|_| self.len > 0 && was_of == Some(shown.substitute));
+        let last = self.pictures.first().filter(|_| was_of == Some(shown.substitute));
+        // Even after a pause or a frame without pictures: its stale tiles remain, and the runtime's picture is complete.
+        let is_again = last.is_some_and(|last| last.release == shown.release);
+        let last = last.filter(|_| self.len > 0);
         let gap = last.map(|last| shown.time.as_nanos().saturating_sub(last.time.as_nanos()));
         let goes_on = gap.is_some_and(|gap| (0..=LONGEST_GAP_NS).contains(&gap));
         if !goes_on {
@@ -304,22 +309,19 @@ impl EyeHistory {
         }
         self.has_moved = goes_on && (was_in != Some(shown.space) || !shown.rests);
         self.of = Some((shown.substitute, shown.space));
-        let is_new = match self.pictures.first_mut().filter(|_| self.len > 0) {
+        match self.pictures.first_mut().filter(|_| is_again) {
             // The same picture again, even if it is submitted with another pose.
-            Some(newest) if newest.release == shown.release => {
+            Some(newest) => {
                 newest.time = shown.time;
-                false
+                self.len = self.len.max(1);
             }
-            _ => {
-                self.push((shown, depth), stale);
-                true
-            }
-        };
+            None => self.push((shown, depth), stale),
+        }
         let earlier = self.pictures[1..self.len].iter();
         let intact = 1 + earlier.take_while(|kept| is_intact(kept.release)).count();
         self.lost = self.len - intact;
         self.keep(intact);
-        goes_on && is_new && shown.rests && !self.has_moved
+        goes_on && !is_again && shown.rests && !self.has_moved
     }
 
     /// Keeps that many pictures, with their depth if that is still available.
@@ -336,7 +338,10 @@ impl EyeHistory {
             true => self.pictures.pop().map(|kept| kept.stale).unwrap_or_default(),
             false => StaleTiles::default(),
         };
-        stale(&mut tiles);
+        match self.pictures.first().filter(|_| shown.0.is_copied && self.len > 0) {
+            Some(before) => tiles.clone_from(&before.stale),
+            None => stale(&mut tiles),
+        }
         self.pushed += 1;
         self.pictures.insert(0, Kept::new(self.pushed, shown, tiles));
         self.len = (self.len + 1).min(self.pictures.len());

@@ -96,6 +96,7 @@ impl<'a> Work<'a> {
             rests: rests(space),
             time,
             release: self.newest.release,
+            is_copied: false,
             image_index: self.newest.index,
             array_layer: view.sub_image.image_array_index,
             rect,
@@ -186,6 +187,13 @@ impl<'a> Work<'a> {
         match self.target.release(next, self.swapchain.handle, is_drawn_over) {
             Ok(()) => self.substitute.ring().mark_shown(self.newest.release),
             Err(result) => tracing::debug!("an image was not returned to the runtime: {result:?}"),
+        }
+    }
+
+    /// Gives the image back to the runtime as it is; the picture stays fresh, so the next frame writes it.
+    pub fn return_unwritten(&mut self, next: &Next) {
+        if let Err(result) = self.target.release_unwritten(next, self.swapchain.handle) {
+            tracing::debug!("an unwritten image was not returned to the runtime: {result:?}");
         }
     }
 }

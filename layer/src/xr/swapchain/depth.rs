@@ -12,10 +12,13 @@ use ash::vk;
 use openxr_sys as xr;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
-/// Whether depth can be copied; unknown until it is first asked for.
+/// Whether depth can be copied.
 #[derive(Default)]
 pub enum Depth {
+    /// It is of no eye's view, as far as is known: other views, such as the insets of quad views, are not completed.
     #[default]
+    Unasked,
+    /// Unknown until it is first copied.
     Unknown,
     Unavailable,
     Available {
@@ -26,6 +29,25 @@ pub enum Depth {
 }
 
 impl Depth {
+    /// Whether copies are of use.
+    fn is_asked(&self) -> bool {
+        !matches!(self, Self::Unasked)
+    }
+
+    /// That of the image which was released last, for an eye's view, if it was copied. From now on it is.
+    fn newest(&mut self) -> Option<NewestDepth> {
+        match self {
+            Self::Available { source, newest: Some(copy) } => {
+                Some(NewestDepth { kept: Arc::clone(source.kept()), copy: *copy })
+            }
+            Self::Unasked => {
+                *self = Self::Unknown;
+                None
+            }
+            Self::Available { .. } | Self::Unknown | Self::Unavailable => None,
+        }
+    }
+
     /// Copies the depth of an image, which the application left in `layout`.
     fn with_copy(self, index: u32, layout: vk::ImageLayout) -> Self {
         let Self::Available { source, .. } = self else { return self };
@@ -69,7 +91,7 @@ impl Swapchain {
     /// Copies the depth of the image that the application returns next, where that counts. In this call the queue is the runtime's,
     /// hence ours.
     pub(super) fn keep_depth(&self) {
-        if !self.description.can_copy_depth() {
+        if !self.description.can_copy_depth() || !self.depth().is_asked() {
             return;
         }
         let Some(active) = &self.session.active else { return };
@@ -125,21 +147,16 @@ impl Swapchain {
         }
     }
 
-    /// The depth of the image that the application released last, if it was copied.
+    /// The depth of the image that the application released last, for an eye's view, if it was copied.
     pub(super) fn newest_depth(&self) -> Option<NewestDepth> {
-        match &*self.depth() {
-            Depth::Available { source, newest: Some(copy) } => {
-                Some(NewestDepth { kept: Arc::clone(source.kept()), copy: *copy })
-            }
-            Depth::Available { .. } | Depth::Unknown | Depth::Unavailable => None,
-        }
+        self.depth().newest()
     }
 
     /// Device memory of the copies, bytes.
     pub(super) fn depth_bytes(&self) -> u64 {
         match &*self.depth() {
             Depth::Available { source, .. } => source.kept().bytes(),
-            Depth::Unknown | Depth::Unavailable => 0,
+            Depth::Unasked | Depth::Unknown | Depth::Unavailable => 0,
         }
     }
 
@@ -151,5 +168,20 @@ impl Swapchain {
 
     fn depth(&self) -> MutexGuard<'_, Depth> {
         self.depth.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depth_is_copied_once_an_eye_shows_it() {
+        let mut depth = Depth::default();
+        assert!(!depth.is_asked(), "as that of an inset stays");
+        assert!(depth.newest().is_none());
+        assert!(depth.is_asked());
+        depth = Depth::Unavailable;
+        assert!(depth.newest().is_none() && matches!(depth, Depth::Unavailable));
     }
 }

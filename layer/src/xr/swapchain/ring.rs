@@ -37,6 +37,11 @@ impl Ring {
         Self { count: u64::from(count.max(1)), acquired: 0, waited: 0, released: 0, shown: 0 }
     }
 
+    /// Number of images that the application has had.
+    pub fn given_out(&self) -> u32 {
+        self.acquired.min(self.count) as u32
+    }
+
     /// `xrAcquireSwapchainImage`: the index of the next image, unless the application has all of them.
     pub fn acquire(&mut self) -> Result<u32, CallOrderInvalid> {
         if self.acquired - self.released == self.count {

@@ -8,7 +8,7 @@ use crate::kernels::compose::{AppImages, RuntimeImages, SwapchainShape, stores_u
 use crate::status::HistoryTooLarge;
 use ash::vk;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Numbers of virtual swapchains: handles are used again.
 static NUMBER: AtomicU64 = AtomicU64::new(0);
@@ -33,7 +33,7 @@ pub struct Substitute {
     pub history_bytes: u64,
     /// The reason why there are none of those.
     pub refused: Option<HistoryTooLarge>,
-    ready: Once,
+    preparation: Preparation,
     ring: Mutex<Ring>,
     target: Mutex<Target>,
 }
@@ -69,21 +69,16 @@ impl Substitute {
             is_unit_range: stores_unit_range(shape.format),
             format: shape.format,
             can_be_analyzed: granted.contains(analyze::USAGE),
-            ready: Once::new(),
+            preparation: Preparation::default(),
             ring: Mutex::new(Ring::new(count)),
             target: Mutex::new(Target::new(RuntimeImages::new(gpu, shape, runtime_images)?)),
         })
     }
 
-    /// Prepares our images, the first time it is called: before the application gets one, and where the
+    /// Prepares our images that the application has not had yet, until that succeeds: before the application gets one, and where the
     /// queue is ours to use.
     pub fn make_ready(&self) {
-        self.ready.call_once(|| {
-            // Memory may be short for once.
-            if let Err(error) = self.app.make_ready().or_else(|_| self.app.make_ready()) {
-                error.log("the images of a virtual swapchain have an undefined layout");
-            }
-        });
+        self.preparation.attempt(|| self.app.make_ready(self.ring().given_out()));
     }
 
     /// The application's side.
@@ -94,5 +89,47 @@ impl Substitute {
     /// The runtime's side.
     pub fn target(&self) -> MutexGuard<'_, Target> {
         self.target.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Preparation of images, which may fail for a while.
+#[derive(Default)]
+struct Preparation {
+    is_done: Mutex<bool>,
+}
+
+impl Preparation {
+    /// Prepares them, unless that has succeeded before.
+    fn attempt(&self, prepare: impl Fn() -> Result<(), GpuError>) {
+        let mut is_done = self.is_done.lock().unwrap_or_else(PoisonError::into_inner);
+        if *is_done {
+            return;
+        }
+        // Memory may be short for once.
+        match prepare().or_else(|_| prepare()) {
+            Ok(()) => *is_done = true,
+            Err(error) => error.log("an image of a virtual swapchain has an undefined layout"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn images_are_prepared_once_the_device_comes_again() {
+        let (preparation, tries) = (Preparation::default(), Cell::new(0));
+        let prepare = |result| {
+            preparation.attempt(|| {
+                tries.set(tries.get() + 1);
+                result
+            });
+            tries.take()
+        };
+        assert_eq!(prepare(Err(GpuError::Timeout)), 2);
+        assert_eq!(prepare(Ok(())), 1, "tried again");
+        assert_eq!(prepare(Ok(())), 0);
     }
 }

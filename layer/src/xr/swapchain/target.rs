@@ -125,16 +125,79 @@ impl Target {
         swapchain: xr::Swapchain,
         is_drawn_over: bool,
     ) -> Result<(), xr::Result> {
+        self.give_back(next, swapchain)?;
+        self.is_drawn_over = is_drawn_over;
+        self.shown.clone_from(&self.regions);
+        Ok(())
+    }
+
+    /// Returns the image of [`Self::take`] as it is, for a runtime that would refuse the frame without one.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::release`].
+    pub fn release_unwritten(&mut self, next: &Next, swapchain: xr::Swapchain) -> Result<(), xr::Result> {
+        self.give_back(next, swapchain)?;
+        self.is_drawn_over = false;
+        self.shown.clear();
+        Ok(())
+    }
+
+    fn give_back(&mut self, next: &Next, swapchain: xr::Swapchain) -> Result<(), xr::Result> {
         // SAFETY: the next layer's function and a live swapchain.
         succeeded(unsafe { (next.release_swapchain_image)(swapchain, ptr::null()) })?;
         self.held = Held::Nothing;
         self.has_picture = true;
-        self.is_drawn_over = is_drawn_over;
-        self.shown.clone_from(&self.regions);
         Ok(())
     }
 }
 
 fn succeeded(result: xr::Result) -> Result<xr::Result, xr::Result> {
     if result.into_raw() < 0 { Err(result) } else { Ok(result) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::xr::tests::fake::frames;
+    use ash::vk;
+    use openxr_sys::Handle;
+    use parafovea_core::kernels::compose::ComposeParams;
+
+    unsafe extern "system" fn never_called() {}
+
+    /// The stand-in for the runtime.
+    fn next() -> Next {
+        // SAFETY: the functions have the types of their names, and the others are never called.
+        let next = unsafe {
+            Next::load(|name| {
+                let known = name.to_str().ok().and_then(frames::function);
+                known.or_else(|| Some(std::mem::transmute::<unsafe extern "system" fn(), _>(never_called)))
+            })
+        };
+        next.unwrap_or_else(|name| panic!("{name:?}"))
+    }
+
+    #[test]
+    fn an_unwritten_image_shows_no_region() {
+        let mut target = Target {
+            images: None,
+            regions: vec![ComposeRegion {
+                array_layer: 0,
+                rect: vk::Rect2D::default(),
+                params: ComposeParams::neutral([0; 2], [8; 2]),
+            }],
+            shown: Vec::new(),
+            held: Held::Ready(0),
+            has_picture: false,
+            is_drawn_over: false,
+        };
+        let (next, swapchain) = (next(), xr::Swapchain::from_raw(1));
+        target.release_unwritten(&next, swapchain).unwrap();
+        assert!(target.has_picture(), "the runtime accepts the frame");
+        assert!(target.is_outdated() && target.held == Held::Nothing);
+        target.held = Held::Ready(1);
+        target.release(&next, swapchain, false).unwrap();
+        assert!(!target.is_outdated());
+    }
 }

@@ -18,6 +18,7 @@ fn shown(number: u64) -> ShownEyeBuffer {
         rests: true,
         time: xr::Time::from_nanos(number as i64 * FRAME_NS),
         release: number,
+        is_copied: false,
         image_index: (number % 5) as u32,
         array_layer: 0,
         rect: vk::Rect2D { offset: vk::Offset2D { x: 64, y: 0 }, extent },
@@ -159,6 +160,45 @@ fn the_same_picture_again_is_no_other() {
         ShownEyeBuffer { time: xr::Time::from_nanos(again.time.as_nanos() + LONGEST_GAP_NS), ..shown(3) };
     history.show(0, Some((&next, None)), ALWAYS, left_half_is_stale);
     assert_eq!(ages(&history), 2, "shown without a gap");
+}
+
+/// The runtime's picture is complete, and the application's image is not: it must not be written raw over the former.
+#[test]
+fn a_picture_that_returns_after_a_pause_keeps_its_stale_tiles() {
+    let after_a_gap = xr::Time::from_nanos(2 * FRAME_NS + LONGEST_GAP_NS + 1);
+    for (without_layer, time) in [(true, shown(4).time), (false, after_a_gap), (true, after_a_gap)] {
+        let mut history = of_two();
+        if without_layer {
+            history.show(0, None, ALWAYS, |_| panic!("there is no picture"));
+        }
+        let again = ShownEyeBuffer { time, ..shown(2) };
+        assert!(!history.show(0, Some((&again, None)), ALWAYS, |_| panic!("it is known")));
+        history.complete(0, CompletionSettings::TURNED, None, None);
+        assert_eq!(ages(&history), 0, "stale, and earlier pictures are gone");
+        let next =
+            ShownEyeBuffer { time: xr::Time::from_nanos(again.time.as_nanos() + FRAME_NS), ..shown(3) };
+        assert!(history.show(0, Some((&next, None)), ALWAYS, left_half_is_stale));
+        assert_eq!(ages(&history), 1, "it goes on");
+    }
+    let mut history = of_two();
+    history.show(0, None, ALWAYS, |_| panic!("there is no picture"));
+    let other = ShownEyeBuffer { substitute: 2, ..shown(2) };
+    history.show(0, Some((&other, None)), ALWAYS, nothing_is_stale);
+    assert!(history.region(0, CompletionSettings::PAPER).is_none(), "a release of another swapchain");
+}
+
+/// No pass draws while an application is paused, and its last picture is copied to each release.
+#[test]
+fn a_copy_has_the_stale_tiles_of_the_picture_before() {
+    let mut history = of_two();
+    let copy = ShownEyeBuffer { is_copied: true, ..shown(3) };
+    history.show(0, Some((&copy, None)), ALWAYS, |_| panic!("nothing was drawn"));
+    history.complete(0, CompletionSettings::PAPER, None, None);
+    let region = history.region(0, CompletionSettings::PAPER).unwrap();
+    assert_eq!(region.lists.full[1].len(), 1, "from the whole picture, two before");
+    let mut history = History::default();
+    history.show(0, Some((&copy, None)), ALWAYS, left_half_is_stale);
+    assert_eq!(ages(&history), 0, "the picture before is unknown");
 }
 
 /// An application recentres by another reference space: this frame has stale tiles, and the head has hardly turned.

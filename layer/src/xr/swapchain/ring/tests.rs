@@ -5,8 +5,9 @@ use std::collections::VecDeque;
 #[test]
 fn acquires_as_many_as_there_are_and_no_more() {
     let mut ring = Ring::new(3);
-    assert_eq!([ring.acquire(), ring.acquire(), ring.acquire()], [Ok(0), Ok(1), Ok(2)]);
-    assert_eq!(ring.acquire(), Err(CallOrderInvalid));
+    assert_eq!((ring.given_out(), ring.acquire(), ring.given_out()), (0, Ok(0), 1));
+    assert_eq!([ring.acquire(), ring.acquire()], [Ok(1), Ok(2)]);
+    assert_eq!((ring.acquire(), ring.given_out()), (Err(CallOrderInvalid), 3));
 }
 
 #[test]

@@ -166,6 +166,134 @@ fn a_picture_that_was_drawn_ahead_and_is_copied() {
     assert_eq!(app.recognition.feedback(), Feedback::Ahead);
 }
 
+/// The thread that renders straight into the swapchain is a frame ahead.
+#[test]
+fn a_picture_that_was_drawn_ahead_into_the_swapchain() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    app.run(FRAMES, |app| {
+        let next = eyes.map(|chain| chain.images[(app.frame as usize + 1) % 3]);
+        for image in next {
+            app.drawn("scene", &[image], true, scene(&[]));
+        }
+        app.show(&app.both(&eyes));
+    });
+    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+}
+
+/// Every second frame draws, and the frame after it shows the picture.
+#[test]
+fn a_picture_that_is_drawn_in_one_frame_and_shown_in_the_next() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    app.run(2 * FRAMES, |app| {
+        let at = |frame: u64| eyes.map(|chain| chain.images[(frame / 2) as usize % 3]);
+        if app.frame.is_multiple_of(2) {
+            for image in at(app.frame) {
+                app.drawn("scene", &[image], true, scene(&[]));
+            }
+        }
+        let mut shown = app.both(&eyes);
+        for (view, image) in shown.views.iter_mut().zip(at(app.frame - 1)) {
+            view.image = Some(image);
+        }
+        app.show(&shown);
+    });
+    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+}
+
+/// At half of the frame rate, with a copy for each frame.
+#[test]
+fn a_picture_that_is_copied_twice() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    app.run(2 * FRAMES, |app| {
+        let colors = [0, 1].map(|eye| kept(app, eye, EYE));
+        for (chain, color) in eyes.iter().zip(colors) {
+            if !app.frame.is_multiple_of(2) {
+                app.drawn("scene", &[color], true, scene(&[]));
+            }
+            app.copy(color, app.current(chain));
+        }
+        app.show(&app.both(&eyes));
+    });
+    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+}
+
+/// The picture of a frame is known with it, or is shown again.
+#[test]
+fn pictures_by_turns_and_shown_again() {
+    let by_turns = |is_copied: bool| {
+        let mut app = Application::default();
+        let eyes = app.eyes();
+        let at = |eye: usize, frame: u64| eyes[eye].images[((frame + eye as u64) / 2) as usize % 3];
+        app.run(2 * FRAMES, |app| {
+            let eye = (app.frame % 2) as usize;
+            let image = at(eye, app.frame);
+            if is_copied {
+                let color = kept(app, eye as u64, EYE);
+                app.drawn("scene", &[color], true, scene(&[]));
+                app.copy(color, image);
+            } else {
+                app.drawn("scene", &[image], true, scene(&[]));
+            }
+            let mut shown = app.both(&eyes);
+            for (eye, view) in shown.views.iter_mut().enumerate() {
+                let drawn_at = app.frame - u64::from(eye as u64 != app.frame % 2);
+                view.image = Some(at(eye, drawn_at));
+            }
+            app.show(&shown);
+        });
+        app.recognition.feedback()
+    };
+    assert_eq!([false, true].map(by_turns), [Feedback::None; 2]);
+    let at_half_rate = |is_missed: bool| {
+        let mut app = Application::default();
+        let eyes = app.eyes();
+        app.run(2 * FRAMES, |app| {
+            let current = eyes.map(|chain| chain.images[(app.frame / 2) as usize % 3]);
+            let is_drawn = app.frame.is_multiple_of(2);
+            if is_missed && is_drawn {
+                // Nothing is known of the frame that draws it.
+                app.recognition.miss();
+                return;
+            }
+            if is_drawn {
+                for image in current {
+                    app.drawn("scene", &[image], true, scene(&[]));
+                }
+            }
+            let mut shown = app.both(&eyes);
+            for (view, image) in shown.views.iter_mut().zip(current) {
+                view.image = Some(image);
+            }
+            app.show(&shown);
+        });
+        app.recognition.feedback()
+    };
+    assert_eq!([false, true].map(at_half_rate), [Feedback::None; 2]);
+}
+
+/// A small display that is drawn now and then, beside the picture.
+#[test]
+fn a_copied_display_is_no_earlier_picture() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let size = [EYE[0] / 8, EYE[1] / 8];
+    app.run(2 * FRAMES, |app| {
+        let display = kept(app, 9, size);
+        if app.frame.is_multiple_of(4) {
+            app.drawn("display", &[display], true, scene(&[]));
+        }
+        for chain in &eyes {
+            app.drawn("scene", &[app.current(chain)], true, scene(&[]));
+            app.copy(display, app.current(chain));
+        }
+        app.show(&app.both(&eyes));
+    });
+    assert_eq!(app.recognition.feedback(), Feedback::None);
+}
+
 #[test]
 fn whatever_may_be_read_is_unknown() {
     let unfollowed = of_frames(|app, _, shown| {

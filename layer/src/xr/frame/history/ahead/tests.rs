@@ -27,6 +27,7 @@ fn shown(number: u64, view: planner::View) -> ShownEyeBuffer {
         rests: true,
         time: xr::Time::from_nanos(number as i64 * 11_111_111),
         release: number,
+        is_copied: false,
         image_index: (number % IMAGES) as u32,
         array_layer: 0,
         rect: vk::Rect2D {
