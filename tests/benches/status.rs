@@ -119,8 +119,7 @@ fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Result<Status, Fa
     let environment =
         Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| running.runtime_folder().into()));
     loop {
-        let (found, _) = read_all(&environment, SystemTime::now())?;
-        match found.into_iter().next() {
+        match read_all(&environment, SystemTime::now()).found.into_iter().next() {
             Some(found) if is_so(&found.status) => return Ok(found.status),
             found if begin.elapsed() > PATIENCE => {
                 return Err(format!("nothing is measured: {found:#?}\n{}", running.log()).into());
