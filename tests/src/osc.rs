@@ -2,19 +2,42 @@
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Direction of the gaze, degrees to the left and upwards.
 pub const LOOK: [f32; 2] = [-18.0, 9.0];
 
-/// A port that is free at this moment.
+/// Ports of listeners: below the ports that the system picks for senders, from 32768 on.
+const PORTS: std::ops::Range<u16> = 20_000..32_000;
+
+/// A port that is free at this moment, another one with each call, and that the system gives to nobody else before the layer listens there.
 ///
 /// # Errors
-/// The system gives none.
+/// None of [`PORTS`] is free.
 pub fn free_address() -> std::io::Result<SocketAddr> {
-    UdpSocket::bind("127.0.0.1:0")?.local_addr()
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    // Processes that run at the same time begin at different ports.
+    let begin = std::process::id().wrapping_mul(64);
+    let count = u32::from(PORTS.end - PORTS.start);
+    let port = |_| {
+        let place = begin.wrapping_add(COUNT.fetch_add(1, Ordering::Relaxed)) % count;
+        PORTS.start + place as u16
+    };
+    first_free(PORTS.map(port))
+}
+
+/// The first port of these to which nothing is bound.
+fn first_free(ports: impl Iterator<Item = u16>) -> std::io::Result<SocketAddr> {
+    let mut error = std::io::ErrorKind::AddrInUse.into();
+    for port in ports {
+        match UdpSocket::bind(("127.0.0.1", port)) {
+            Ok(socket) => return socket.local_addr(),
+            Err(refused) => error = refused,
+        }
+    }
+    Err(error)
 }
 
 /// A text of OSC 1.0: with a zero at its end, and filled up to whole words.
@@ -184,5 +207,26 @@ impl Drop for Sender {
             // It has no reason to panic; one that did has ended, too.
             let _ = thread.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_listener_has_a_port_that_a_sender_may_get() {
+        let addresses: Vec<SocketAddr> = (0..100).map(|_| free_address().unwrap()).collect();
+        assert!(addresses.iter().all(|address| PORTS.contains(&address.port())), "{addresses:?}");
+        let distinct: std::collections::BTreeSet<_> = addresses.iter().collect();
+        assert_eq!(distinct.len(), addresses.len(), "{addresses:?}");
+    }
+
+    #[test]
+    fn a_taken_port_is_passed_over() {
+        let [taken, free] = [free_address().unwrap(), free_address().unwrap()];
+        let _listener = UdpSocket::bind(taken).unwrap();
+        assert_eq!(first_free([taken.port(), free.port()].into_iter()).unwrap(), free);
+        assert!(first_free(std::iter::once(taken.port())).is_err());
     }
 }

@@ -7,9 +7,9 @@ mod running;
 mod validation;
 
 pub use application::Application;
-pub use outcome::Outcome;
+pub use outcome::{Outcome, complaints};
 pub use running::Running;
-pub use validation::Message;
+pub use validation::{Message, is_of_late_hello_xr};
 
 use crate::artifacts::Library;
 use crate::installation::{Driver, Halves, Installation, write};

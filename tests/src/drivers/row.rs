@@ -190,7 +190,6 @@ fn messages(seen: &Seen, without: Option<&Seen>) -> Vec<String> {
         .iter()
         .filter(|_| errors.len() > before && without.is_some())
         .map(|error| format!("{}: {}", error.call, error.message));
-    let signs = [" WARN ", " ERROR ", "internal error"];
-    let of_log = outcome.log.lines().filter(|line| signs.iter().any(|sign| line.contains(sign)));
-    of_validation.into_iter().chain(of_runtime).chain(of_log.map(str::to_owned)).collect()
+    let of_log = outcome.complaints().into_iter().map(str::to_owned);
+    of_validation.into_iter().chain(of_runtime).chain(of_log).collect()
 }

@@ -193,6 +193,11 @@ impl Outcome {
         text.lines().map(line).collect()
     }
 
+    /// As [`complaints`], of its log.
+    pub fn complaints(&self) -> Vec<&str> {
+        complaints(&self.log)
+    }
+
     /// Fails unless the application ended by itself with code 0.
     ///
     /// # Errors
@@ -227,6 +232,18 @@ impl Outcome {
             output: format!("{}{}", last_lines(&self.output, 30), last_lines(&self.log, 10)),
         }
     }
+}
+
+/// Signs of warnings, errors and caught mistakes in the layer's log.
+const SIGNS: [&str; 3] = [" WARN ", " ERROR ", "internal error"];
+
+/// The warning of a device that is behind: a software device that compiles on a busy machine takes seconds, which is no mistake.
+const LATE: &str = "the headset shows earlier images until the device catches up";
+
+/// Warnings and errors in the layer's log, apart from the one of a device that is behind.
+pub fn complaints(log: &str) -> Vec<&str> {
+    let is_complaint = |line: &&str| SIGNS.iter().any(|sign| line.contains(sign)) && !line.contains(LATE);
+    log.lines().filter(is_complaint).collect()
 }
 
 /// Path of the runtime's file of that sub-image of the first composition layer.
@@ -269,5 +286,22 @@ impl Drop for Folder {
         {
             eprintln!("kept: {}", folder.keep().display());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_is_behind_is_no_complaint() {
+        let late = format!("12:00:00.000  WARN a submit did not end in time: {LATE}");
+        let mistakes = [
+            "12:00:00.000  WARN no rates",
+            "12:00:00.000 ERROR no device",
+            "12:00:00.000  INFO internal error",
+        ];
+        let log = [&["12:00:00.000  INFO session active", &late][..], &mistakes].concat().join("\n");
+        assert_eq!(complaints(&log), mistakes);
     }
 }

@@ -39,9 +39,6 @@ const FEW: [&str; 8] = [
 const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n[debug]\nview = \"eccentricity\"\n";
 
-/// A software device that compiles on a busy machine is behind for seconds, which is logged, and no error.
-const LATE: &str = "the headset shows earlier images until the device catches up";
-
 /// Stand-in for a device with shading rates; None: the device unchanged, for masks.
 type Device = Option<ShadingRateProfile>;
 
@@ -88,10 +85,7 @@ fn check(style: &Style, device: Device) -> Result<(), Failed> {
     assert!(found.is_empty(), "{found:#?}\n{}", on.log);
     assert!(on.findings.openxr.is_empty(), "{:#?}", on.findings.openxr);
     assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
-    for told in ["internal error", " WARN ", " ERROR "] {
-        let mut lines = on.log.lines().filter(|line| !line.contains(LATE));
-        assert!(!lines.any(|line| line.contains(told)), "{}", on.log);
-    }
+    assert!(on.complaints().is_empty(), "{}", on.log);
     let mut coarse = 0;
     for line in on.shading_rates()? {
         match line {

@@ -24,8 +24,8 @@ pub(super) struct InFlight {
 }
 
 /// Longest wait for the fence of a submit. It takes longer only if the submit waits for something that the
-/// application does later.
-const PATIENCE_NS: u64 = 5_000_000_000;
+/// application does later. Software devices that compile on a busy machine take seconds.
+const PATIENCE_NS: u64 = 120_000_000_000;
 
 /// A wait for a semaphore makes everything before visible at its stages.
 fn waited(state: &mut State, stages: vk::PipelineStageFlags2) {
