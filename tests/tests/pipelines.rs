@@ -63,14 +63,26 @@ fn assert_clean(outcome: &Outcome, off: &Outcome) {
     assert!(new.is_empty(), "{new:#?}");
 }
 
+/// A launch without a cache that compiles most pipelines, and the folder of its cache. On a busy machine it takes longer.
+fn first_launch() -> (tempfile::TempDir, Outcome) {
+    let mut compiled = Vec::new();
+    for times in [1, 2, 4] {
+        let cache = tempfile::tempdir().unwrap();
+        let first = run(cache.path(), times * FRAMES);
+        let [on_applications, on_own] = made(&first);
+        assert_eq!(on_applications, 0);
+        if on_own > 20 {
+            return (cache, first);
+        }
+        compiled.push(on_own);
+    }
+    panic!("all kernels' entry points: {compiled:?}");
+}
+
 #[test]
 fn no_pipeline_is_compiled_on_the_applications_thread_and_a_second_launch_begins_with_them() {
-    let cache = tempfile::tempdir().unwrap();
     let off = scene(1).finish().unwrap();
-    let first = run(cache.path(), FRAMES);
-    let [on_applications, on_own] = made(&first);
-    assert_eq!(on_applications, 0);
-    assert!(on_own > 20, "all kernels' entry points: {on_own}");
+    let (cache, first) = first_launch();
     assert_eq!(bytes_read(&first), 0);
     assert_clean(&first, &off);
     let written = fs::read(cache_file(cache.path())).unwrap();

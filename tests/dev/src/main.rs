@@ -33,7 +33,7 @@ Usage: cargo dev TASK, in any folder of the repository
                         Installs and builds only its own dependencies
   test [--strict] [PART]
                         run the checks of CI: formatting, clippy, build, documentation and all tests; with PART, only the build, and tests
-                        with PART in their names. Each test runs in its own process, with a time limit of 10 minutes; unit tests share
+                        with PART in their names. Each test runs in its own process, with a time limit of 30 minutes; unit tests share
                         processes. The longest tests of the last run come first. Tests whose requirements are missing are skipped, and
                         listed with the reason; with --strict, or if the variable CI is set, they fail if `setup` should have installed
                         the requirement

@@ -19,7 +19,7 @@ pub use summary::Summary;
 use times::Times;
 
 /// The longest that a test, or a process with several, may take: far above the slowest, since machines are shared.
-const LIMIT: Duration = Duration::from_secs(600);
+const LIMIT: Duration = Duration::from_secs(1800);
 
 /// The longest that a test binary may take to list its tests.
 const LIST_LIMIT: Duration = Duration::from_secs(120);

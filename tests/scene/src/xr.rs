@@ -5,6 +5,7 @@ mod input;
 mod projection;
 mod swapchain;
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -21,6 +22,8 @@ use crate::renderer::Renderer;
 use crate::scene::{FRAMES_PER_SECOND, text};
 
 const VIEW_TYPE: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
+/// Frames whose work the device may have at a time: more would only be older when they are seen.
+const IN_FLIGHT: usize = 2;
 /// Height of a standing visitor's eyes in metres, for runtimes without a stage.
 const EYE_HEIGHT: f32 = 1.6;
 
@@ -90,6 +93,8 @@ struct App {
     session: xr::Session<xr::Vulkan>,
     device: wgpu::Device,
     queue: wgpu::Queue,
+    /// Work of the last frames, at most [`IN_FLIGHT`], the oldest first.
+    submitted: VecDeque<wgpu::SubmissionIndex>,
     blend_mode: xr::EnvironmentBlendMode,
     /// Frames rendered so far.
     frame: u64,
@@ -142,6 +147,7 @@ impl App {
             session,
             device,
             queue,
+            submitted: VecDeque::new(),
             blend_mode: blend_modes.first().copied().unwrap_or(xr::EnvironmentBlendMode::OPAQUE),
             frame: 0,
             first_frame: options.first_frame,
@@ -213,6 +219,7 @@ impl App {
     }
 
     fn render(&mut self, time: xr::Time, views: &[xr::View]) -> Result<()> {
+        self.wait_for_device()?;
         self.change_swapchains()?;
         let cameras: Vec<_> = views.iter().map(camera).collect();
         let animation_time = (self.first_frame as f64 + self.pace * self.frame as f64) / FRAMES_PER_SECOND;
@@ -231,7 +238,7 @@ impl App {
             board.acquire()?;
             self.renderer.draw_board(&mut encoder, board.view(0));
         }
-        self.queue.submit([encoder.finish()]);
+        self.submitted.push_back(self.queue.submit([encoder.finish()]));
         self.device.poll(wgpu::PollType::Poll)?;
         self.projection.release()?;
         if let Some(board) = &mut self.board {
@@ -239,6 +246,15 @@ impl App {
         }
         self.submit(time, views)?;
         self.frame += 1;
+        Ok(())
+    }
+
+    /// Waits until the device has room for another frame's work.
+    fn wait_for_device(&mut self) -> Result<()> {
+        while self.submitted.len() >= IN_FLIGHT {
+            let submission_index = self.submitted.pop_front();
+            self.device.poll(wgpu::PollType::Wait { submission_index, timeout: None })?;
+        }
         Ok(())
     }
 

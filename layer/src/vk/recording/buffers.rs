@@ -253,11 +253,13 @@ pub unsafe extern "system" fn reset(
     })
 }
 
+/// Attempts to lock a record: far more than other threads need to read it.
+const ATTEMPTS: u32 = 10_000;
+
 /// The lock of a secondary command buffer's record, which other threads may read at the same time for their own primary ones. An application that
-/// records a command buffer during its execution violates valid usage, but must not deadlock here: `None` for it, after a while.
-fn patiently_locked(recorded: &Mutex<Recorded>) -> Option<MutexGuard<'_, Recorded>> {
-    const ATTEMPTS: u32 = 10_000;
-    (0..ATTEMPTS).find_map(|_| match recorded.try_lock() {
+/// records a command buffer during its execution violates valid usage, but must not deadlock here: `None` for it, after so many `attempts`.
+fn patiently_locked(recorded: &Mutex<Recorded>, attempts: u32) -> Option<MutexGuard<'_, Recorded>> {
+    (0..attempts).find_map(|_| match recorded.try_lock() {
         Ok(recorded) => Some(recorded),
         Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
         Err(TryLockError::WouldBlock) => {
@@ -296,7 +298,7 @@ pub unsafe extern "system" fn execute(
             // SAFETY: valid usage demands `count` command buffers.
             for secondary in unsafe { slice(secondaries, count) } {
                 if let Some(secondary) = tracked(*secondary)
-                    && let Some(secondary) = patiently_locked(&secondary.recorded)
+                    && let Some(secondary) = patiently_locked(&secondary.recorded, ATTEMPTS)
                 {
                     recorded.execute(&secondary);
                 }
@@ -332,12 +334,12 @@ mod tests {
         let recorded = Mutex::new(Recorded::default());
         scope(|threads| {
             let held = recorded.lock().unwrap();
-            let other = threads.spawn(|| patiently_locked(&recorded).is_some());
+            let other = threads.spawn(|| patiently_locked(&recorded, u32::MAX).is_some());
             std::thread::sleep(Duration::from_micros(50));
             drop(held);
             assert!(other.join().unwrap());
         });
         let _held = recorded.lock().unwrap();
-        assert!(patiently_locked(&recorded).is_none(), "held by this thread");
+        assert!(patiently_locked(&recorded, 3).is_none(), "held by this thread");
     }
 }
