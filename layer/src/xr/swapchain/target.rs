@@ -131,7 +131,7 @@ impl Target {
         Ok(())
     }
 
-    /// Returns the image of [`Self::take`] as it is, for a runtime that would refuse the frame without one.
+    /// Returns the image of [`Self::take`] unwritten, for a runtime that would refuse the frame without one.
     ///
     /// # Errors
     ///
