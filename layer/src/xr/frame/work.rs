@@ -190,7 +190,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Gives the image back to the runtime as it is; the picture stays fresh, so the next frame writes it.
+    /// Gives the image back to the runtime unwritten; the picture stays fresh, so the next frame writes it.
     pub fn return_unwritten(&mut self, next: &Next) {
         if let Err(result) = self.target.release_unwritten(next, self.swapchain.handle) {
             tracing::debug!("an unwritten image was not returned to the runtime: {result:?}");

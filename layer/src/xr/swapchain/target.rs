@@ -131,7 +131,7 @@ impl Target {
         Ok(())
     }
 
-    /// Returns the image of [`Self::take`] as it is, for a runtime that would refuse the frame without one.
+    /// Returns the image of [`Self::take`] unwritten, for a runtime that would refuse the frame without one.
     ///
     /// # Errors
     ///
@@ -159,12 +159,11 @@ fn succeeded(result: xr::Result) -> Result<xr::Result, xr::Result> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::xr::tests::fake::frames;
+    use crate::xr::tests::fake::{frames, next_pointer};
     use ash::vk;
-    use openxr_sys::Handle;
+    use openxr_sys::{Handle, pfn};
     use parafovea_core::kernels::compose::ComposeParams;
-
-    unsafe extern "system" fn never_called() {}
+    use std::ffi::c_void;
 
     /// The stand-in for the runtime.
     fn next() -> Next {
@@ -172,7 +171,8 @@ mod tests {
         let next = unsafe {
             Next::load(|name| {
                 let known = name.to_str().ok().and_then(frames::function);
-                known.or_else(|| Some(std::mem::transmute::<unsafe extern "system" fn(), _>(never_called)))
+                known
+                    .or_else(|| Some(std::mem::transmute::<*const c_void, pfn::VoidFunction>(next_pointer())))
             })
         };
         next.unwrap_or_else(|name| panic!("{name:?}"))
