@@ -70,7 +70,7 @@ pub const HIDDEN_REST_NS: i64 = 300_000_000_000;
 /// Time from a trial without a decision to the next in a saccade or blink, nanoseconds; doubled each time, up to [`HIDDEN_REST_NS`].
 pub const RETRY_REST_NS: i64 = 30_000_000_000;
 
-/// Trials against a technique, or one with open eyes after the first, after which the rests are those of any control.
+/// Consecutive trials against a technique before the rests of any other control hold. One with open eyes, after the first, is enough.
 const REFUSALS: u32 = 5;
 
 /// Longest wait of a switch for a saccade or blink, nanoseconds, of eyes that had one within twice that time.

@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(Arming::of(&without), Arming::Inert);
     }
 
-    /// A device of a game that was turned off stays as it is, though the file has the key of a later version.
+    /// A game stays turned off if its file has the key of a later version.
     #[test]
     fn a_file_with_an_error_can_turn_devices_off() {
         let folder = tempfile::tempdir().unwrap();

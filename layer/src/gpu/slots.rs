@@ -12,7 +12,7 @@ pub(crate) enum Purpose {
     Depth,
     /// Debug views over finished pictures.
     DebugView,
-    /// New images of a swapchain, of which applications create several in one frame.
+    /// New images of a swapchain. Applications create several swapchains in one frame.
     NewImages,
 }
 

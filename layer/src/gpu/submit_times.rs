@@ -20,7 +20,7 @@ const DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
 /// Number of times that are kept until they are taken.
 const MOST_KEPT: usize = 64;
 
-// Those of all submits under way are.
+// Room for the times of all submits under way.
 const _: () = assert!(MOST_KEPT >= 2 * SLOTS);
 
 /// The times of a ring of command buffers. Allocates nothing as long as they are taken.

@@ -159,7 +159,7 @@ pub unsafe extern "system" fn attach(
 }
 
 /// `xrSyncActions`: with ours. If that fails before it has ever succeeded, as for [`attach`]; later it is the application's
-/// mistake, which the runtime is to see once. One without any set is made as it is, where the runtime keeps the gaze.
+/// mistake, which the runtime is to see once. A call without any set passes unchanged if the runtime keeps the gaze.
 ///
 /// # Safety
 ///

@@ -287,7 +287,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
             }
         }
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
-        // it gets its image as it is, until the next frame.
+        // it gets an unwritten image, until the next frame.
         Err(error @ GpuError::Timeout) => {
             error.log("the headset shows earlier images until the device catches up");
             works.iter_mut().filter(|work| !work.has_picture()).for_each(|work| work.return_unwritten(next));

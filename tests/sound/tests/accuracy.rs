@@ -73,7 +73,7 @@ fn differences(heard: &[Set], samples: &[f32], mode: Mode) -> Set {
     nearest(&mut around.into_iter()).1
 }
 
-/// Plays a sound. `None` if the features heard are those of its samples.
+/// Plays a sound. `None` if the captured features agree with its samples.
 fn mismatch(stage: &Stage, kind: Kind, level: f32, mode: Mode) -> Option<String> {
     let samples = sound(kind, level, SAMPLE_RATE_HZ, PERIOD_S);
     let heard = heard(stage, samples.clone());

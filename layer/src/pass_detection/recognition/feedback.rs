@@ -132,7 +132,7 @@ impl FeedbackEvidence {
                     }
                 }
                 Event::Transfer(transfer) => {
-                    // The stale tiles of this frame's passes are not those of an earlier picture.
+                    // An earlier picture has other stale tiles than this frame's passes.
                     let is_earlier =
                         || memory.eye_picture(transfer.from.image).is_some_and(|kept| kept.frame < frame);
                     is_drawn_ahead |= shows_picture(transfer, memory, swapchains) && is_earlier();

@@ -4,13 +4,15 @@
 //! That work binds descriptor sets, after which offsets are no longer valid (Vulkan specification, vkCmdBindDescriptorSets), of any bind
 //! point as far as its words go. The buffers stay bound by its words, but not for Khronos' validation since 2026, so that they are bound again too.
 
+mod bound;
+
 use super::heaps::BoundHeaps;
 use super::{drawing, draws, with_buffer};
-use crate::abi::copies::{find, slice};
-use crate::abi::pnext::chain;
+use crate::abi::copies::slice;
 use crate::backend::mask::follow_graphics;
 use crate::vk::functions::ArmedTable;
 use ash::vk;
+use bound::BoundBuffer;
 use smallvec::SmallVec;
 
 /// Offsets, embedded samplers and heaps of a command buffer.
@@ -27,44 +29,6 @@ pub struct BufferOffsets {
     /// Whether descriptor sets were bound at one bind point after offsets at another, which the specification leaves in doubt.
     is_mixed: bool,
     heaps: BoundHeaps,
-}
-
-/// A bound descriptor buffer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct BoundBuffer {
-    address: vk::DeviceAddress,
-    usage: vk::BufferUsageFlags,
-    /// Replaces `usage`, if there is one (`VkBufferUsageFlags2CreateInfo`).
-    usage2: Option<vk::BufferUsageFlags2KHR>,
-    /// The buffer itself, for push descriptors of some devices.
-    push: Option<vk::Buffer>,
-}
-
-/// `VkBufferUsageFlags2CreateInfo`.
-type Usage2<'a> = vk::BufferUsageFlags2CreateInfoKHR<'a>;
-
-/// `VkDescriptorBufferBindingPushDescriptorBufferHandleEXT`.
-type PushBuffer<'a> = vk::DescriptorBufferBindingPushDescriptorBufferHandleEXT<'a>;
-
-impl BoundBuffer {
-    /// Of the application's structure; `None` if its chain has structures of another kind.
-    ///
-    /// # Safety
-    ///
-    /// The chain is valid.
-    unsafe fn read(info: &vk::DescriptorBufferBindingInfoEXT<'_>) -> Option<Self> {
-        // SAFETY: the chain is valid, as `# Safety` demands.
-        let (usage2, push, all) = unsafe {
-            (find::<Usage2<'_>>(info.p_next), find::<PushBuffer<'_>>(info.p_next), chain(info.p_next).count())
-        };
-        let is_whole = all == usize::from(usage2.is_some()) + usize::from(push.is_some());
-        is_whole.then_some(Self {
-            address: info.address,
-            usage: info.usage,
-            usage2: usage2.map(|found| found.usage),
-            push: push.map(|found| found.buffer),
-        })
-    }
 }
 
 /// One call that set offsets, or bound embedded samplers.
@@ -160,36 +124,6 @@ impl BufferOffsets {
         self.calls.push(new);
     }
 
-    /// Binds the buffers again, with the next layer's functions.
-    ///
-    /// # Safety
-    ///
-    /// `commands` is recording, and they were bound in it.
-    unsafe fn restore_buffers(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
-        let Some(bind) = next.cmd_bind_descriptor_buffers.filter(|_| !self.buffers.is_empty()) else {
-            return;
-        };
-        let usages = self.buffers.iter().map(|of| Usage2::default().usage(of.usage2.unwrap_or_default()));
-        let mut usages: SmallVec<[Usage2<'_>; 2]> = usages.collect();
-        let pushed = self.buffers.iter().map(|of| PushBuffer::default().buffer(of.push.unwrap_or_default()));
-        let mut pushed: SmallVec<[PushBuffer<'_>; 2]> = pushed.collect();
-        let mut infos: SmallVec<[vk::DescriptorBufferBindingInfoEXT<'_>; 2]> = SmallVec::new();
-        for (of, (usage2, push)) in self.buffers.iter().zip(usages.iter_mut().zip(&mut pushed)) {
-            let mut info = vk::DescriptorBufferBindingInfoEXT::default().address(of.address).usage(of.usage);
-            if of.usage2.is_some() {
-                usage2.p_next = info.p_next;
-                info.p_next = std::ptr::from_mut(usage2).cast();
-            }
-            if of.push.is_some() {
-                push.p_next = info.p_next;
-                info.p_next = std::ptr::from_mut(push).cast();
-            }
-            infos.push(info);
-        }
-        // SAFETY: the command buffer is recording, as `# Safety` demands; buffers of its earlier calls stay valid while it records.
-        unsafe { bind(commands, infos.len() as u32, infos.as_ptr()) };
-    }
-
     /// Binds and sets all again, with the next layer's functions, as it was set.
     ///
     /// # Safety
@@ -197,7 +131,7 @@ impl BufferOffsets {
     /// `commands` is recording, and these calls were recorded in it.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         // SAFETY: the command buffer is recording, and the buffers were bound in it, as `# Safety` demands.
-        unsafe { self.restore_buffers(next, commands) };
+        unsafe { bound::restore(&self.buffers, next, commands) };
         for Call { point, layout, first, kind } in &self.calls {
             // SAFETY: the command buffer is recording, as `# Safety` demands; layouts and offsets of its earlier calls stay valid while it records.
             unsafe {
@@ -425,105 +359,4 @@ pub unsafe extern "system" fn bind_samplers2(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use ash::vk::Handle;
-
-    const COMPUTE: vk::PipelineBindPoint = vk::PipelineBindPoint::COMPUTE;
-    const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
-
-    fn offsets(point: vk::PipelineBindPoint, first: u32, offsets: &[u64]) -> Call {
-        let kind = CallKind::Offsets(offsets.iter().map(|_| 0).collect(), offsets.into());
-        Call { point, layout: vk::PipelineLayout::from_raw(1), first, kind }
-    }
-
-    fn buffer(address: vk::DeviceAddress) -> BoundBuffer {
-        BoundBuffer { address, usage: vk::BufferUsageFlags::empty(), usage2: None, push: None }
-    }
-
-    #[test]
-    fn offsets_are_kept_until_they_are_set_anew_or_other_buffers_are_bound() {
-        let mut kept = BufferOffsets::default();
-        let samplers =
-            Call { point: GRAPHICS, layout: vk::PipelineLayout::null(), first: 3, kind: CallKind::Samplers };
-        for call in [offsets(GRAPHICS, 0, &[64]), offsets(COMPUTE, 0, &[0]), samplers.clone()] {
-            kept.set(call);
-        }
-        kept.set(offsets(GRAPHICS, 0, &[128, 256]));
-        let expected = [offsets(COMPUTE, 0, &[0]), samplers.clone(), offsets(GRAPHICS, 0, &[128, 256])];
-        assert_eq!(kept.calls.as_slice(), expected);
-        kept.bind_buffers([Some(buffer(64))].into_iter());
-        assert_eq!((kept.calls.as_slice(), kept.buffers.as_slice()), (&[samplers][..], &[buffer(64)][..]));
-        assert!(kept.is_complete() && !kept.is_empty());
-        kept.clear();
-        assert!(kept.is_empty());
-    }
-
-    #[test]
-    fn sets_end_offsets_of_their_point_and_put_others_in_doubt() {
-        let mut kept = BufferOffsets::default();
-        kept.bind_sets(GRAPHICS);
-        kept.set(offsets(COMPUTE, 0, &[0]));
-        assert!(kept.is_complete(), "offsets after sets are in no doubt");
-        kept.bind_sets(GRAPHICS);
-        assert!(!kept.is_complete());
-        kept.bind_sets(COMPUTE);
-        assert!(kept.is_complete() && kept.is_empty());
-        kept.set(offsets(COMPUTE, 0, &[0]));
-        kept.bind_sets(GRAPHICS);
-        kept.bind_buffers([Some(buffer(64))].into_iter());
-        assert!(kept.is_complete() && !kept.is_empty(), "buffers alone are bound");
-        kept.bind_sets(GRAPHICS);
-        assert!(kept.is_complete() && kept.is_empty(), "nothing is set any more");
-    }
-
-    #[test]
-    fn buffers_with_unknown_extensions_cannot_be_bound_again() {
-        let mut usage2 = Usage2::default().usage(vk::BufferUsageFlags2KHR::SAMPLER_DESCRIPTOR_BUFFER_EXT);
-        let mut push = PushBuffer::default().buffer(vk::Buffer::from_raw(3));
-        let known = vk::DescriptorBufferBindingInfoEXT::default().address(64);
-        let expected = BoundBuffer { usage2: Some(usage2.usage), push: Some(push.buffer), ..buffer(64) };
-        let known = known.push_next(&mut push).push_next(&mut usage2);
-        // SAFETY: the chain is of local structures.
-        assert_eq!(unsafe { BoundBuffer::read(&known) }, Some(expected));
-        let other = vk::MemoryAllocateInfo::default();
-        let unknown =
-            vk::DescriptorBufferBindingInfoEXT { p_next: (&raw const other).cast_mut().cast(), ..known };
-        // SAFETY: as above.
-        let read = unsafe { BoundBuffer::read(&unknown) };
-        let mut kept = BufferOffsets::default();
-        kept.bind_buffers([read].into_iter());
-        assert!(!kept.is_complete() && !kept.is_empty());
-        kept.bind_buffers([Some(buffer(64))].into_iter());
-        assert!(kept.is_complete(), "in their place");
-    }
-
-    #[test]
-    fn sets_and_offsets_end_heaps_and_secondary_command_buffers_do_not() {
-        let with_data = || {
-            let mut kept = BufferOffsets::default();
-            kept.heaps().push(0, &[1; 4]);
-            kept
-        };
-        let after = |change: fn(&mut BufferOffsets)| {
-            let mut kept = with_data();
-            change(&mut kept);
-            kept.heaps.is_empty()
-        };
-        assert!(!with_data().is_empty() && with_data().is_complete());
-        assert!(after(|kept| kept.bind_sets(COMPUTE)));
-        assert!(after(|kept| kept.set(offsets(GRAPHICS, 0, &[0]))));
-        assert!(after(|kept| kept.bind_buffers(std::iter::empty())));
-        assert!(after(BufferOffsets::clear));
-        assert!(!after(BufferOffsets::forget_offsets));
-    }
-
-    #[test]
-    fn stages_belong_to_bind_points() {
-        use vk::ShaderStageFlags as Stages;
-        assert_eq!(points(Stages::VERTEX | Stages::FRAGMENT).as_slice(), [GRAPHICS]);
-        assert_eq!(points(Stages::COMPUTE | Stages::MESH_EXT).as_slice(), [COMPUTE, GRAPHICS]);
-        assert_eq!(points(Stages::RAYGEN_KHR).as_slice(), [vk::PipelineBindPoint::RAY_TRACING_KHR]);
-        assert_eq!(points(Stages::ALL).len(), 3);
-    }
-}
+mod tests;

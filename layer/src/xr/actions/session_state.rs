@@ -163,8 +163,8 @@ impl SessionActions {
         state.has_synchronised |= result == xr::Result::SUCCESS;
     }
 
-    /// Whether the application's synchronisation without any action set is made as it is. Monado leaves all actions as they are then, while ours
-    /// as the only active set would take the application's poses away.
+    /// Whether the application's synchronisation without any action set passes unchanged. Monado then leaves all actions alone; with ours as the
+    /// only active set, the application would lose its poses.
     pub fn may_sync_nothing(&self) -> bool {
         !self.state().ends_without_sets
     }

@@ -55,7 +55,7 @@ impl SessionOffer {
         state.undriven = undriven;
     }
 
-    /// Activates the actions of these sets that have the gaze, and returns those that sources of the runtime's could drive, too.
+    /// Activates the gaze actions of these sets, and returns the ones among them that the runtime's own sources could drive, too.
     fn activate(
         &self,
         sets: &[xr::ActiveActionSet],

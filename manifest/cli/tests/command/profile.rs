@@ -172,7 +172,7 @@ fn a_profile_that_no_game_would_read_is_named_or_refused() {
     assert!(!without.contains("effect"), "{without}");
 }
 
-/// The file of an application begins as a copy of the one in force, whose errors are not those of the new file.
+/// The file of an application begins as a copy of the file in force; errors of that file have its name.
 #[test]
 fn errors_of_a_file_that_is_copied_have_its_name() {
     let home = TempDir::new().unwrap();
