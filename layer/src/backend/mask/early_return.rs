@@ -17,8 +17,9 @@
 
 mod module;
 
-use crate::vk::shaders::spirv::{Instruction, MODEL_FRAGMENT, built_in, class, decoration, op, text};
+use crate::vk::shaders::spirv::{Instruction, MODEL_FRAGMENT, built_in, class, decoration, op, text, words_of};
 use module::{Assembly, Parsed};
+use std::ffi::CStr;
 use thiserror::Error;
 
 /// The wanted shader.
@@ -56,6 +57,9 @@ const PARAMS: usize = size_of::<parafovea_core::mask::EarlyReturnParams>() / 4;
 const VERSION_1_3: u32 = 0x0001_0300;
 const VERSION_1_4: u32 = 0x0001_0400;
 const CAPABILITY_MULTI_VIEW: u32 = 4439;
+
+/// The extension that has this capability, of which SPIR-V 1.3 is a superset.
+const MULTI_VIEW_EXTENSION: &CStr = c"SPV_KHR_multiview";
 
 /// Capabilities of operations whose results depend on the other fragments of the subgroup. Source: SPIR-V specification, section 3.31,
 /// "Capability".
@@ -354,14 +358,17 @@ impl<'a> Patch<'a> {
             .iter()
             .any(|found| found.op == op::CAPABILITY && found.operands == [CAPABILITY_MULTI_VIEW]);
         let mut out = parsed.header(self.bound);
-        if self.wanted.by_view && !has_capability {
-            if self.version < VERSION_1_3 {
-                // It would need an extension, whose place is elsewhere; shaders for multiview are newer modules.
-                return Err(NoEarlyReturn::Unknown);
-            }
+        let needs_capability = self.wanted.by_view && !has_capability;
+        if needs_capability {
             out.push(op::CAPABILITY, &[CAPABILITY_MULTI_VIEW]);
         }
+        // Capabilities come first, extensions next. Multiview is an extension before 1.3: Qt compiles its shaders to SPIR-V 1.0.
+        let mut extension_is_due = needs_capability && self.version < VERSION_1_3;
         for (index, found) in parsed.instructions.iter().enumerate() {
+            if extension_is_due && found.op != op::CAPABILITY {
+                out.push(op::EXTENSION, &words_of(MULTI_VIEW_EXTENSION));
+                extension_is_due = false;
+            }
             if std::ptr::eq(found, first_function) {
                 out.append(&self.globals);
             }

@@ -5,7 +5,7 @@ mod codes;
 
 pub use codes::{Code, Codes};
 
-use super::early_return::{EarlyReturn, discards, returning_early};
+use super::early_return::{EarlyReturn, NoEarlyReturn, discards, returning_early};
 use crate::abi::copies::{find, slice, words};
 use crate::gpu::{AppendedLayout, CompatiblePass, Gpu, GpuError, Owned, pipeline_of_code};
 use crate::vk::shaders::parts::dynamic_states;
@@ -142,13 +142,9 @@ impl Recipe {
     /// [`GpuError::Unsupported`] where the shader cannot; a failed call.
     pub fn make(&self, gpu: &Arc<Gpu>, has_whole_subgroups: bool) -> Result<Owned<vk::Pipeline>, GpuError> {
         let Fragment { stage, entry, by_view } = &self.fragment;
-        let unknown = GpuError::Unsupported("an early return from a shader that the layer cannot parse");
-        let entry = entry.to_str().map_err(|_| unknown)?;
+        let entry = entry.to_str().map_err(|_| refusal(NoEarlyReturn::Unknown))?;
         let wanted = EarlyReturn { entry, set: self.layout.set(), by_view: *by_view, has_whole_subgroups };
-        let returning = returning_early(self.codes[*stage].words(), wanted).map_err(|reason| {
-            tracing::debug!("no early return: {reason}");
-            unknown
-        })?;
+        let returning = returning_early(self.codes[*stage].words(), wanted).map_err(refusal)?;
         let mut codes: SmallVec<[&[u32]; 4]> = self.codes.iter().map(|code| code.words()).collect();
         codes[*stage] = &returning;
         let info = vk::GraphicsPipelineCreateInfo {
@@ -160,6 +156,14 @@ impl Recipe {
         // fragment shader changed, to one with an interface that has nothing more but the set of the layout.
         unsafe { pipeline_of_code(gpu, &info, &codes) }
     }
+}
+
+fn refusal(reason: NoEarlyReturn) -> GpuError {
+    GpuError::Unsupported(match reason {
+        NoEarlyReturn::Unknown => "an early return from a shader that the layer cannot parse",
+        NoEarlyReturn::Subgroups => "an early return from a shader with subgroup operations",
+        NoEarlyReturn::Position => "an early return from a shader without access to the position of its fragment",
+    })
 }
 
 /// Dynamic state without which a part of the description may be anything.

@@ -1,5 +1,7 @@
 //! SPIR-V, as far as the layer reads and writes it. Numbers are from the SPIR-V specification, section 3.
 
+use std::ffi::CStr;
+
 /// The first word of a module in this machine's byte order.
 pub const MAGIC: u32 = 0x0723_0203;
 
@@ -185,4 +187,14 @@ pub fn text(words: &[u32]) -> Option<(Vec<u8>, usize)> {
     let length = bytes.iter().position(|&byte| byte == 0)?;
     bytes.truncate(length);
     Some((bytes, length / 4 + 1))
+}
+
+/// A text as an instruction has it: its bytes, the end, and zeros up to a whole word.
+pub fn words_of(text: &CStr) -> Vec<u32> {
+    let word = |bytes: &[u8]| {
+        let mut word = [0; 4];
+        word[..bytes.len()].copy_from_slice(bytes);
+        u32::from_le_bytes(word)
+    };
+    text.to_bytes_with_nul().chunks(4).map(word).collect()
 }

@@ -84,6 +84,25 @@ fn from_1_4_on_buffers_are_in_the_interface_too() {
     }
 }
 
+/// Qt's shaders of multiview passes, with a view in the vertex shader only.
+#[test]
+fn multiview_is_an_extension_before_1_3() {
+    for (version, extensions) in [((1, 0), 1), ((1, 2), 1), ((1, 3), 0)] {
+        let before = code(SHADERS, version);
+        let after = returning_early(&before, EarlyReturn { by_view: true, ..wanted("two") }).unwrap();
+        let parsed = Parsed::of(&after).unwrap();
+        let capabilities = count(&after, op::CAPABILITY);
+        assert_eq!(capabilities, count(&before, op::CAPABILITY) + 1);
+        let (first, rest) = parsed.instructions.split_at(capabilities);
+        assert!(first.iter().all(|found| found.op == op::CAPABILITY), "{version:?}");
+        let named = |found: &Instruction<'_>| {
+            found.op == op::EXTENSION && text(found.operands).unwrap().0 == MULTI_VIEW_EXTENSION.to_bytes()
+        };
+        assert_eq!(rest.iter().filter(|found| named(found)).count(), extensions, "{version:?}");
+        assert_eq!(rest.iter().take(extensions).filter(|found| named(found)).count(), extensions, "first");
+    }
+}
+
 #[test]
 fn the_same_module_gives_the_same_code() {
     let before = code(SHADERS, (1, 3));
