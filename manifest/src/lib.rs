@@ -9,6 +9,7 @@ pub mod doctor;
 pub mod gaze_correction;
 pub mod install;
 pub mod json;
+pub mod loader_filters;
 pub mod options;
 pub mod paths;
 pub mod private_file;

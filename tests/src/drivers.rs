@@ -14,6 +14,7 @@ pub mod kernels;
 mod matrix;
 pub mod profiles;
 mod program;
+mod quick3d;
 mod row;
 mod shim;
 mod target;

@@ -66,7 +66,7 @@ fn programs() -> Vec<Program> {
     let is_wanted = |program: &Program| match program {
         Program::Style(style) => STYLES.contains(&style.name),
         Program::VulkanInfo | Program::HelloXr(_) | Program::Scene => true,
-        Program::Doctor | Program::Direct3d(_) => false,
+        Program::Doctor | Program::Direct3d(_) | Program::Quick3d(_) => false,
     };
     Program::all().into_iter().filter(is_wanted).collect()
 }

@@ -1,6 +1,7 @@
 //! Conditions under which the layer is loaded or not, and its complete absence if not.
 
 use parafovea_manifest::json::{Activation, Half};
+use parafovea_manifest::loader_filters;
 use parafovea_tests::artifacts::Library;
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -50,6 +51,18 @@ fn the_variable_that_disables_wins() {
     let outcome = run(|run| run.on(CHROMA).env("DISABLE_PARAFOVEA", "1"));
     assert_untouched(&outcome);
     assert_eq!(outcome.log, "");
+}
+
+/// Blender sets this variable in its own process, ahead of its Vulkan instance; `parafovea run` sets the other one.
+#[test]
+fn an_application_without_the_layers_of_others_gets_ours_by_name() {
+    let filtered = |run: Run| run.on(CHROMA).env("VK_LOADER_LAYERS_DISABLE", "~implicit~");
+    let outcome = run(filtered);
+    assert_untouched(&outcome);
+    assert!(outcome.log.contains("session inert: VK_LOADER_LAYERS_DISABLE"), "{}", outcome.log);
+    assert_attenuated(&run(|run| {
+        filtered(run).env(loader_filters::ENABLE_LAYERS, loader_filters::enabling(None))
+    }));
 }
 
 #[test]

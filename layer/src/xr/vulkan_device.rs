@@ -14,6 +14,7 @@ use crate::status::{Decision, Topic};
 use ash::vk;
 use ash::vk::Handle;
 use parafovea_core::reuse::StaleTiles;
+use parafovea_manifest::loader_filters::disabling_word;
 use smallvec::SmallVec;
 use std::mem::MaybeUninit;
 
@@ -38,12 +39,25 @@ pub enum NotLinked {
     /// Our Vulkan layer is not in the device's chain.
     #[error("the Vulkan half of this layer is not active on the device")]
     NoVulkanHalf,
+    /// The Vulkan loader was told to leave it out, by the user or by the application.
+    #[error(
+        "VK_LOADER_LAYERS_DISABLE keeps the Vulkan half of this layer out of the application, which may have set it itself; `parafovea run -- PROGRAM` overrules it"
+    )]
+    Filtered,
     /// The Vulkan half comes from another version of this library.
     #[error("the Vulkan half has interface version {0}, the OpenXR half {LINK_VERSION}")]
     OtherVersion(u32),
     /// The Vulkan half is present, but keeps this device inert.
     #[error("the Vulkan half keeps this device inert")]
     Inert,
+}
+
+/// The reason for a missing Vulkan half.
+fn no_vulkan_half() -> NotLinked {
+    match disabling_word(|name| std::env::var_os(name)) {
+        Some(_) => NotLinked::Filtered,
+        None => NotLinked::NoVulkanHalf,
+    }
 }
 
 impl VulkanDevice {
@@ -68,8 +82,7 @@ impl VulkanDevice {
         // SAFETY: the device is live, as `# Safety` demands; only our Vulkan half answers this name, with a GetLink. Its table
         // is valid for the life of the process, and `version` comes first in every version of it.
         let table = unsafe {
-            let get_link =
-                get_device_proc_addr(device, GET_LINK_NAME.as_ptr()).ok_or(NotLinked::NoVulkanHalf)?;
+            let get_link = get_device_proc_addr(device, GET_LINK_NAME.as_ptr()).ok_or_else(no_vulkan_half)?;
             let get_link = std::mem::transmute::<unsafe extern "system" fn(), GetLink>(get_link);
             let table = get_link();
             let version = (&raw const (*table).version).read();

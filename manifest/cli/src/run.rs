@@ -1,6 +1,7 @@
 //! `parafovea run`.
 
 use parafovea_manifest::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
+use parafovea_manifest::loader_filters::{ENABLE_LAYERS, enabling};
 use parafovea_manifest::paths::Environment;
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -24,7 +25,11 @@ pub fn run(command: &[OsString]) -> ExitCode {
             "parafovea: the loaders cannot find the layer, so it has no effect; to install it: parafovea install"
         );
     }
-    let error = Command::new(program).args(arguments).env(ENABLE_VARIABLE, "1").exec();
+    let mut application = Command::new(program);
+    application.args(arguments).env(ENABLE_VARIABLE, "1");
+    // Applications that turn other programs' layers off at their start, as Blender does, leave this one.
+    application.env(ENABLE_LAYERS, enabling(env::var_os(ENABLE_LAYERS)));
+    let error = application.exec();
     let name = program.to_string_lossy();
     if error.kind() != ErrorKind::NotFound {
         eprintln!("parafovea: {name}: {error}");

@@ -4,6 +4,7 @@
 
 use super::{Finding, Surroundings};
 use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
+use crate::loader_filters::{DISABLE_LAYERS, ENABLE_LAYERS, disabling_word};
 use std::ffi::OsStr;
 
 pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
@@ -39,42 +40,19 @@ fn half_enabled(surroundings: &Surroundings) -> Option<Finding> {
     )
 }
 
-/// `VK_LOADER_LAYERS_DISABLE`, since loader 1.3.234.
 fn filtered(surroundings: &Surroundings) -> Option<Finding> {
-    let filters = |name| surroundings.variable(name).map(OsStr::to_string_lossy).unwrap_or_default();
-    let disabled = filters("VK_LOADER_LAYERS_DISABLE");
-    // The second word has its meaning in this variable alone.
-    let by =
-        disabled.split(',').find(|word| matches_layer(word) || word.eq_ignore_ascii_case("~implicit~"))?;
-    if filters("VK_LOADER_LAYERS_ALLOW").split(',').any(matches_layer) {
-        return None;
-    }
+    let by = disabling_word(|name| surroundings.variable(name).map(OsStr::to_owned))?;
     Some(
         Finding::problem(
             "filtered",
-            format!("VK_LOADER_LAYERS_DISABLE contains {by:?}, which matches this layer"),
+            format!("{DISABLE_LAYERS} contains {by:?}, which matches this layer"),
             "The Vulkan loader skips the Vulkan half, and the OpenXR half has no effect alone.",
         )
         .advise(format!(
-            "remove it from that variable, or set VK_LOADER_LAYERS_ALLOW={}",
+            "remove it from that variable, or set {ENABLE_LAYERS}={}, as `parafovea run` does",
             Half::Vulkan.layer_name()
         )),
     )
-}
-
-/// Whether a filter of the loader means our layer: its name, or part of it with `*` at the ends; upper and lower case are the same, and
-/// spaces count (Vulkan loader, `loader_environment.c`, `determine_filter_type` and `check_name_matches_filter_environment_var`).
-fn matches_layer(filter: &str) -> bool {
-    let (name, filter) = (Half::Vulkan.layer_name().to_ascii_lowercase(), filter.to_ascii_lowercase());
-    if ["~all~", "*", "**"].contains(&filter.as_str()) {
-        return true;
-    }
-    match (filter.strip_prefix('*'), filter.strip_suffix('*')) {
-        (Some(rest), Some(_)) => name.contains(rest.strip_suffix('*').unwrap_or(rest)),
-        (Some(end), None) => name.ends_with(end),
-        (None, Some(begin)) => name.starts_with(begin),
-        (None, None) => name == filter,
-    }
 }
 
 /// `VK_IMPLICIT_LAYER_PATH` replaces all other folders.
@@ -105,31 +83,4 @@ fn relative_homes(surroundings: &Surroundings) -> Option<Finding> {
         )
         .advise(format!("make {name} an absolute path, or unset it")),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_filter_means_the_layer_as_the_loader_reads_it() {
-        for glob in [
-            "~ALL~",
-            "*",
-            "**",
-            "VK_LAYER_PARAFOVEA*",
-            "vk_layer_parafovea*",
-            "*FOVEATION",
-            "*PARAFOVEA*",
-            "*_foveation",
-            "VK_LAYER_PARAFOVEA_foveation",
-        ] {
-            assert!(matches_layer(glob), "{glob}");
-        }
-        for glob in
-            ["", "~explicit~", "~implicit~", "VK_LAYER_PARAFOVEA", "*MESA*", "PARAFOVEA*", " *", "~all~ "]
-        {
-            assert!(!matches_layer(glob), "{glob}");
-        }
-    }
 }

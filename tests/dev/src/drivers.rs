@@ -25,7 +25,7 @@ pub fn unpack_release() {
 }
 
 /// Unpacks sid's drivers to `target/drivers/sid`, with its loaders, validation and C library: the newest Mesa, and drivers that releases
-/// leave out. Beside them DXVK for Linux programs, with its window library and a compiler of shaders. A failure is printed, and is not an error.
+/// leave out. Beside them DXVK for Linux programs, with its window library and a compiler of shaders, and Qt Quick 3D XR. A failure is printed, and is not an error.
 fn unpack_sid() {
     let packages = &[
         "libdxvk-d3d11-0",
@@ -36,6 +36,12 @@ fn unpack_sid() {
         "mesa-drm-shim",
         "mesa-vulkan-drivers",
         "openxr-layer-corevalidation",
+        "qml-qt6",
+        "qml6-module-qtqml-models",
+        "qml6-module-qtquick",
+        "qml6-module-qtquick3d",
+        "qml6-module-qtquick3d-helpers",
+        "qml6-module-qtquick3d-xr",
         "vulkan-validationlayers",
     ];
     if let Err(reason) =

@@ -1,4 +1,4 @@
-//! Unmodified engines on Monado: Debian sid's Godot, Monado with a simulated headset and nothing to show pictures on, and lavapipe, unpacked
+//! Unmodified engines on Monado: Debian sid's Godot and Qt Quick 3D XR, Monado with a simulated headset and nothing to show pictures on, and lavapipe, unpacked
 //! below the target folder. Takes root's rights to enter that folder, none to make it.
 
 use crate::setup::{Voice, setup};
@@ -26,6 +26,12 @@ const SYSTEM: Set = Set {
         "libxrandr2",
         "mesa-vulkan-drivers",
         "monado-service",
+        "qml-qt6",
+        "qml6-module-qtqml-models",
+        "qml6-module-qtquick",
+        "qml6-module-qtquick3d",
+        "qml6-module-qtquick3d-helpers",
+        "qml6-module-qtquick3d-xr",
         "vulkan-validationlayers",
         "xvfb",
     ],

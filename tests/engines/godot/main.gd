@@ -42,8 +42,6 @@ func _ready() -> void:
 	add_child(origin)
 	room = Room.new(arguments.scene)
 	add_child(room)
-	var size := xr.get_render_target_size()
-	print("engine eye: %d %d" % [size.x, size.y])
 
 
 func _process(_delta: float) -> void:

@@ -1,6 +1,6 @@
 //! The programs that are run on every driver.
 
-use super::direct3d;
+use super::{direct3d, quick3d};
 use crate::HarnessError;
 use crate::run::{Application, Run};
 use crate::scenario::{Scenario, ScenarioExt};
@@ -22,6 +22,8 @@ pub enum Program {
     Doctor,
     /// Direct3D 11 by DXVK's Linux build, with this way of drawing.
     Direct3d(&'static str),
+    /// Qt Quick 3D XR with this way of drawing.
+    Quick3d(&'static str),
 }
 
 /// Frames of an application; passes are known from the fourth on.
@@ -39,6 +41,7 @@ impl Program {
         let others =
             [Self::VulkanInfo, Self::Doctor, Self::HelloXr("Vulkan"), Self::HelloXr("Vulkan2"), Self::Scene];
         let looks = direct3d::LOOKS.into_iter().map(Self::Direct3d);
+        let looks = looks.chain(quick3d::looks().map(Self::Quick3d));
         others.into_iter().chain(looks).chain(STYLES.iter().copied().map(Self::Style)).collect()
     }
 
@@ -51,6 +54,7 @@ impl Program {
             Self::VulkanInfo => "vulkaninfo".to_owned(),
             Self::Doctor => "doctor".to_owned(),
             Self::Direct3d(look) => format!("d3d11 {look}"),
+            Self::Quick3d(look) => format!("qt {look}"),
         }
     }
 
@@ -70,6 +74,15 @@ impl Program {
         matches!(self, Self::Doctor)
     }
 
+    /// Rules of validation that the program breaks by itself, in each run a different number of times.
+    pub fn own_violations(self) -> &'static [&'static str] {
+        match self {
+            // Qt makes all images PREINITIALIZED.
+            Self::Quick3d(_) => &["VUID-VkImageCreateInfo-initialLayout-12478"],
+            _ => &[],
+        }
+    }
+
     /// The oldest Vulkan headers (1.3.N) of a validation layer that knows its calls.
     pub fn headers(self) -> u32 {
         if let Self::Style(style) = self { style.headers } else { 0 }
@@ -84,6 +97,7 @@ impl Program {
         let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
         let application = match self {
             Self::Direct3d(look) => return Ok(direct3d::run(look, SIZE, &scenario)?.timeout(LIMIT)),
+            Self::Quick3d(look) => return Ok(quick3d::run(look, &scenario)?.timeout(LIMIT)),
             Self::Style(style) => {
                 let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
                 Application::ours("parafovea-zoo", &arguments)?

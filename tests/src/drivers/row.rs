@@ -146,7 +146,7 @@ fn json(row: &Row, program: Program, cell: Cell, seen: &Seen, without: Option<&S
         engaged: (program.has_frames() && !program.sets_rates())
             .then(|| engaged(cell.mode, seen.engaged))
             .flatten(),
-        messages: messages(seen, without),
+        messages: messages(program, seen, without),
         outcome: seen.end.to_string(),
         is_worse: is_worse(program, cell.mode, seen, without.map(|without| &without.end)),
     }
@@ -173,14 +173,15 @@ fn is_worse(program: Program, mode: Mode, seen: &Seen, without: Option<&End>) ->
     mode != Mode::Off && (is_violent && !ended_so_without || is_other || is_disabled && seen.engaged.eyes > 0)
 }
 
-fn messages(seen: &Seen, without: Option<&Seen>) -> Vec<String> {
+fn messages(program: Program, seen: &Seen, without: Option<&Seen>) -> Vec<String> {
     let outcome = &seen.outcome;
     let no_findings = Default::default();
     let findings = without.map_or(&no_findings, |without| &without.outcome.findings);
     let of_validation: Vec<String> = match without {
         None => Vec::new(),
         Some(_) => {
-            let new = outcome.findings.beyond(findings);
+            let mut new = outcome.findings.beyond(findings);
+            new.retain(|found| !program.own_violations().contains(&found.rule.as_str()));
             new.into_iter().map(|found| format!("{}: {}", found.rule, found.text)).collect()
         }
     };

@@ -74,11 +74,21 @@ impl Folder {
         let libraries = libraries(&self.path()?);
         let mut command = Command::new(file_of_prefix(&libraries, "ld-linux-")?);
         let mut path = libraries.clone().into_os_string();
-        // A folder of its own, which PulseAudio's library names by an absolute path; SDL needs that.
-        path.push(":");
-        path.push(libraries.join("pulseaudio"));
+        // Folders that libraries name by absolute paths: SDL needs the first, Qt the second.
+        for folder in ["pulseaudio", "libproxy"] {
+            path.push(":");
+            path.push(libraries.join(folder));
+        }
         command.arg("--library-path").arg(path).arg("--argv0").arg(program).arg(program);
         Ok(command)
+    }
+
+    /// The folder of its libraries.
+    ///
+    /// # Errors
+    /// [`HarnessError::NoDriver`].
+    pub fn libraries(self) -> Result<PathBuf, HarnessError> {
+        self.path().map(|folder| libraries(&folder))
     }
 
     /// The version of a package in it, as Debian writes it.

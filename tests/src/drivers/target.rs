@@ -50,6 +50,8 @@ impl Target {
             Some("programs that it starts have another C library")
         } else if !is_sid && matches!(program, Program::Direct3d(_)) {
             Some("DXVK for Linux programs is a package of Debian sid")
+        } else if !is_sid && matches!(program, Program::Quick3d(_)) {
+            Some("Qt Quick 3D XR for Vulkan is a package of Debian sid")
         } else {
             None
         }

@@ -2,11 +2,11 @@
 
 use parafovea::config::Preset;
 
-/// An engine with one of its renderers.
+/// An engine with one of its ways of drawing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Engine {
-    /// Godot's name for the renderer.
-    pub renderer: &'static str,
+    /// The program.
+    pub program: Program,
     /// Samples of a pixel.
     pub samples: u32,
     /// Whether the head turns from frame to frame.
@@ -19,7 +19,23 @@ pub struct Engine {
     pub preset: Preset,
 }
 
-/// A scene of our Godot project (`tests/engines/godot/room.gd`).
+/// A program with a renderer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Program {
+    /// Godot, with its name for the renderer.
+    Godot(&'static str),
+    /// Qt Quick 3D XR.
+    Qt {
+        /// Whether a pass draws both eyes, by multiview.
+        is_multiview: bool,
+        /// Whether depth is drawn to swapchains, too, and submitted.
+        submits_depth: bool,
+        /// Whether the scene goes through post-processing: the default of Qt's extended environment; else its passes draw to the swapchain.
+        has_effects: bool,
+    },
+}
+
+/// A scene of our Godot project (`tests/engines/godot/room.gd`); that of Qt is the full one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Scene {
     /// Ten lights, two with shadows, a mirror and a screen: heavy in fragment shading.
@@ -43,27 +59,34 @@ impl Scene {
 
 impl Engine {
     /// All of them.
-    pub const ALL: [Self; 15] = [
-        Self::still("mobile", 1),
-        Self::still("mobile", 2),
-        Self::still("mobile", 4),
-        Self::still("forward_plus", 1),
-        Self::still("forward_plus", 2),
-        Self::still("forward_plus", 4),
-        Self { moves: true, ..Self::still("mobile", 1) },
-        Self { moves: true, ..Self::still("forward_plus", 4) },
-        Self { preset: Preset::Quality, ..Self::still("mobile", 1) },
-        Self { preset: Preset::Quality, moves: true, ..Self::still("mobile", 1) },
-        Self { scene: Scene::Light, ..Self::still("mobile", 1) },
-        Self { scene: Scene::Light, is_tracked: true, ..Self::still("mobile", 1) },
-        Self { scene: Scene::Light, is_tracked: true, ..Self::still("forward_plus", 1) },
-        Self { scene: Scene::Flat, ..Self::still("mobile", 1) },
-        Self { scene: Scene::Flat, ..Self::still("forward_plus", 1) },
+    pub const ALL: [Self; 22] = [
+        Self::still(MOBILE, 1),
+        Self::still(MOBILE, 2),
+        Self::still(MOBILE, 4),
+        Self::still(FORWARD_PLUS, 1),
+        Self::still(FORWARD_PLUS, 2),
+        Self::still(FORWARD_PLUS, 4),
+        Self { moves: true, ..Self::still(MOBILE, 1) },
+        Self { moves: true, ..Self::still(FORWARD_PLUS, 4) },
+        Self { preset: Preset::Quality, ..Self::still(MOBILE, 1) },
+        Self { preset: Preset::Quality, moves: true, ..Self::still(MOBILE, 1) },
+        Self { scene: Scene::Light, ..Self::still(MOBILE, 1) },
+        Self { scene: Scene::Light, is_tracked: true, ..Self::still(MOBILE, 1) },
+        Self { scene: Scene::Light, is_tracked: true, ..Self::still(FORWARD_PLUS, 1) },
+        Self { scene: Scene::Flat, ..Self::still(MOBILE, 1) },
+        Self { scene: Scene::Flat, ..Self::still(FORWARD_PLUS, 1) },
+        Self::still(QT, 1),
+        Self::still(QT, 4),
+        Self { moves: true, ..Self::still(QT, 4) },
+        Self::still(Program::Qt { is_multiview: true, submits_depth: false, has_effects: true }, 4),
+        Self::still(Program::Qt { is_multiview: false, submits_depth: false, has_effects: false }, 1),
+        Self::still(Program::Qt { is_multiview: false, submits_depth: false, has_effects: false }, 4),
+        Self::still(Program::Qt { is_multiview: false, submits_depth: true, has_effects: false }, 1),
     ];
 
-    const fn still(renderer: &'static str, samples: u32) -> Self {
+    const fn still(program: Program, samples: u32) -> Self {
         Self {
-            renderer,
+            program,
             samples,
             moves: false,
             scene: Scene::Full,
@@ -74,9 +97,15 @@ impl Engine {
 
     /// Its name in tables.
     pub fn name(self) -> String {
-        let renderer = self.renderer.replace("_plus", "+");
-        let mut name = format!("godot-{renderer}-msaa{}", self.msaa());
+        let mut name = match self.program {
+            Program::Godot(renderer) => format!("godot-{}", renderer.replace("_plus", "+")),
+            Program::Qt { is_multiview: true, .. } => "qt-multiview".to_owned(),
+            Program::Qt { is_multiview: false, .. } => "qt-by-eye".to_owned(),
+        };
+        name += &format!("-msaa{}", self.msaa());
         let parts = [
+            (matches!(self.program, Program::Qt { has_effects: true, .. }), "effects"),
+            (matches!(self.program, Program::Qt { submits_depth: true, .. }), "depth"),
             (self.moves, "moving"),
             (self.scene != Scene::Full, self.scene.name()),
             (self.is_tracked, "tracked"),
@@ -101,29 +130,59 @@ impl Engine {
         self.is_tracked.then(|| lines.collect())
     }
 
-    /// Godot's number for the samples of a pixel: 0 for one.
+    /// Number of samples in scripts: 0 for one.
     fn msaa(self) -> u32 {
         if self.samples == 1 { 0 } else { self.samples }
     }
 
-    /// Its command line in the system.
-    pub fn command(self, settings: &Settings) -> Vec<String> {
+    /// Environment variables and the command line in the system, for `env`; scripts wait for a folder of pictures, where one is given.
+    pub fn command(self, settings: &Settings, pictures: Option<&str>) -> Vec<String> {
+        let (msaa, head) = (self.msaa(), if self.moves { "moving" } else { "still" });
         let Settings { warm, settle_s, frames, rounds, .. } = settings;
-        let fixed = ["godot", "--path", "/opt/engines/godot", "--fixed-fps", "60", "--rendering-method"];
-        let own = [
-            self.renderer.to_owned(),
-            "--".to_owned(),
-            format!("msaa={}", self.msaa()),
-            format!("head={}", if self.moves { "moving" } else { "still" }),
-            format!("scene={}", self.scene.name()),
+        let mut words: Vec<String> = match self.program {
+            Program::Godot(renderer) => {
+                let fixed =
+                    ["godot", "--path", "/opt/engines/godot", "--fixed-fps", "60", "--rendering-method"];
+                fixed.into_iter().chain([renderer]).map(str::to_owned).collect()
+            }
+            Program::Qt { is_multiview, submits_depth, .. } => {
+                let mut words = vec!["LC_ALL=C.UTF-8", "QSG_RHI_BACKEND=vulkan"];
+                // Scripts read and write files by requests: CPU time, and the number of a saved frame.
+                words.extend(["QML_XHR_ALLOW_FILE_READ=1", "QML_XHR_ALLOW_FILE_WRITE=1"]);
+                if !is_multiview {
+                    words.push("QT_QUICK3D_XR_DISABLE_MULTIVIEW=1");
+                }
+                if submits_depth {
+                    words.push("QT_QUICK3D_XR_SUBMIT_DEPTH=1");
+                }
+                words.extend(["/usr/lib/qt6/bin/qml", "/opt/engines/qt/main.qml"]);
+                words.into_iter().map(str::to_owned).collect()
+            }
+        };
+        words.extend(["--".to_owned(), format!("msaa={msaa}"), format!("head={head}")]);
+        match self.program {
+            Program::Godot(_) => words.push(format!("scene={}", self.scene.name())),
+            Program::Qt { has_effects, .. } => {
+                words.push(format!("effects={}", if has_effects { "on" } else { "off" }));
+                words.extend(pictures.map(|folder| format!("pictures={folder}")));
+            }
+        }
+        words.extend([
             format!("warm={warm}"),
             format!("settle={settle_s}"),
             format!("frames={frames}"),
             format!("rounds={rounds}"),
-        ];
-        fixed.map(str::to_owned).into_iter().chain(own).collect()
+        ]);
+        words
     }
 }
+
+/// Godot's renderers.
+const MOBILE: Program = Program::Godot("mobile");
+const FORWARD_PLUS: Program = Program::Godot("forward_plus");
+
+/// Qt as it is without settings.
+const QT: Program = Program::Qt { is_multiview: true, submits_depth: false, has_effects: false };
 
 /// The layer in a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -184,6 +243,11 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Width and height of an eye buffer in pixels, as Monado recommends them to engines.
+    pub fn eye(&self) -> [u32; 2] {
+        [320, 240].map(|full: u32| full * self.scale / 100)
+    }
+
     /// A timed run. CPU time is counted in hundredths of a second, so that a round of short frames takes more of them.
     pub fn timed(scale: u32, scene: Scene, mode: Mode) -> Self {
         let settle_s = if mode == Mode::Auto { 30 } else { 0 };
@@ -222,11 +286,24 @@ mod tests {
         let names: std::collections::BTreeSet<_> = Engine::ALL.map(Engine::name).into();
         assert_eq!(names.len(), Engine::ALL.len());
         assert!(names.contains("godot-mobile-msaa0") && names.contains("godot-forward+-msaa4"), "{names:?}");
-        let command = Engine::still("mobile", 1).command(&settings).join(" ");
+        let command = Engine::still(MOBILE, 1).command(&settings, None).join(" ");
         assert!(
             command.ends_with("mobile -- msaa=0 head=still scene=full warm=30 settle=30 frames=10 rounds=2"),
             "{command}"
         );
+        let qt =
+            Engine::still(Program::Qt { is_multiview: false, submits_depth: true, has_effects: true }, 4);
+        assert_eq!(qt.name(), "qt-by-eye-msaa4-effects-depth");
+        let command = qt.command(&settings, Some("/tmp/pictures")).join(" ");
+        assert!(
+            command.contains(" QT_QUICK3D_XR_DISABLE_MULTIVIEW=1 QT_QUICK3D_XR_SUBMIT_DEPTH=1 "),
+            "{command}"
+        );
+        assert!(
+            command.contains(" msaa=4 head=still effects=on pictures=/tmp/pictures warm=30 "),
+            "{command}"
+        );
+        assert_eq!(settings.eye(), [640, 480]);
     }
 
     #[test]

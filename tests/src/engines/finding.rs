@@ -135,7 +135,7 @@ pub fn judge(
         findings.push(Finding {
             app: engine.name(),
             gate: mode.name(),
-            eye: seen.eye,
+            eye: Settings::timed(scale, engine.scene, mode).eye(),
             frames: samples[index].len() * Settings::timed(scale, engine.scene, mode).frames as usize,
             off: Cost { cpu_ms: off_ms, samples: counted[0] },
             on: Cost {

@@ -7,8 +7,6 @@ use std::collections::BTreeMap;
 /// A run.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
-    /// Width and height of an eye buffer, pixels.
-    pub eye: [u32; 2],
     /// CPU time of a frame in each round, milliseconds: all threads of the application's process.
     pub cpu_ms: Vec<f64>,
     /// Samples of a frame that passed the depth test in the application's render passes; None if not counted.
@@ -30,22 +28,21 @@ impl Seen {
     /// The engine did not print the cost of its frames.
     pub fn of(output: &str, log: &str, samples: &str, status: Option<Status>) -> Result<Self, String> {
         let numbers = |name: &'static str| {
-            let lines =
-                output.lines().filter_map(move |line| line.strip_prefix("engine ")?.strip_prefix(name));
+            // Qt puts `qml: ` ahead of them.
+            let lines = output.lines().map(|line| line.strip_prefix("qml: ").unwrap_or(line));
+            let lines = lines.filter_map(move |line| line.strip_prefix("engine ")?.strip_prefix(name));
             lines.map(|line| {
                 line.split_whitespace().filter_map(|word| word.parse().ok()).collect::<Vec<f64>>()
             })
         };
-        let eye = numbers("eye:").next().unwrap_or_default();
         let rounds: Vec<[f64; 3]> = numbers("round:").filter_map(|numbers| numbers.try_into().ok()).collect();
-        let (&[width, height], [first, ..]) = (eye.as_slice(), rounds.as_slice()) else {
+        let [first, ..] = rounds.as_slice() else {
             return Err("it does not say what its frames cost".to_owned());
         };
         let cpu_ms: Vec<f64> = rounds.iter().map(|[frame, ..]| *frame).collect();
         let [frame, from, to] = *first;
         let frames = ((to - from) / frame).round();
         Ok(Self {
-            eye: [width as u32, height as u32],
             cpu_ms,
             samples: counted(samples, from, to).map(|samples| (samples as f64 / frames) as u64),
             broken: broken(output),
@@ -125,14 +122,13 @@ mod tests {
     use super::*;
     use parafovea_manifest::status::Decision;
 
-    const OUTPUT: &str =
-        "Godot\nengine eye: 640 480\nengine round: 50.00 1000 1100\nengine round: 60.00 1100 1220\n";
+    const OUTPUT: &str = "Godot\nengine round: 50.00 1000 1100\nqml: engine round: 60.00 1100 1220\n";
 
     #[test]
     fn rounds_and_samples_of_the_first_are_read() {
         let samples = r#"{"samples":900,"reason":null,"passes":9,"by_submit":[{"process_cpu_ns":900000000,"value":500},{"process_cpu_ns":1050000000,"value":300},{"process_cpu_ns":1150000000,"value":100}]}"#;
         let seen = Seen::of(OUTPUT, "", samples, None).unwrap();
-        assert_eq!((seen.eye, seen.cpu_ms, seen.samples), ([640, 480], vec![50.0, 60.0], Some(150)));
+        assert_eq!((seen.cpu_ms, seen.samples), (vec![50.0, 60.0], Some(150)));
         assert_eq!(Seen::of(OUTPUT, "", "", None).unwrap().samples, None);
         let failed = samples.replace("900,\"reason\":null", "null,\"reason\":\"a\"");
         assert_eq!(Seen::of(OUTPUT, "", &failed, None).unwrap().samples, None);

@@ -76,9 +76,11 @@ impl System {
         write(&above, &TestLayer::Count.implicit_manifest(library))?;
         let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("engines");
         copy(&scenes.join("run.sh"), &root.join("opt/engines/run.sh"))?;
-        let godot = scenes.join("godot");
-        for entry in fs::read_dir(&godot).map_err(HarnessError::file(&godot))?.flatten() {
-            copy(&entry.path(), &root.join("opt/engines/godot").join(entry.file_name()))?;
+        for engine in ["godot", "qt"] {
+            let (from, to) = (scenes.join(engine), root.join("opt/engines").join(engine));
+            for entry in fs::read_dir(&from).map_err(HarnessError::file(&from))?.flatten() {
+                copy(&entry.path(), &to.join(entry.file_name()))?;
+            }
         }
         let mut install = system.inside();
         install.args(["env", "HOME=/root", "/opt/parafovea/parafovea", "install"]);
@@ -136,7 +138,8 @@ impl System {
         if mode != Mode::Off {
             command.args(["/opt/parafovea/parafovea", "run", "--"]);
         }
-        command.args(engine.command(settings));
+        let folder = format!("/{PICTURES}");
+        command.arg("env").args(engine.command(settings, (watch == Watch::Pictures).then_some(&folder)));
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let mut child = command.spawn().map_err(start_error(&command))?;
         let (mut status, mut told, mut polls) = (None, None, 0_u32);

@@ -2,7 +2,7 @@
 
 use crate::HarnessError;
 use crate::artifacts::{program, system_program};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The program.
 #[derive(Clone, Debug)]
@@ -38,6 +38,12 @@ impl Application {
     pub fn of_system(name: &str, arguments: &[&str]) -> Result<Self, HarnessError> {
         let arguments = arguments.iter().map(|argument| (*argument).to_owned()).collect();
         Ok(Self { name: name.to_owned(), program: system_program(name)?, arguments })
+    }
+
+    /// A program in a file of this path, for instance of an unpacked system.
+    pub fn at(path: &Path, arguments: &[String]) -> Self {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Self { name, program: path.to_owned(), arguments: arguments.to_vec() }
     }
 
     /// The same, started by a program of the system such as strace, with these arguments before it.

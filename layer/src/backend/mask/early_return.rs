@@ -17,7 +17,9 @@
 
 mod module;
 
-use crate::vk::shaders::spirv::{Instruction, MODEL_FRAGMENT, built_in, class, decoration, op, text, words_of};
+use crate::vk::shaders::spirv::{
+    Instruction, MODEL_FRAGMENT, built_in, class, decoration, op, text, words_of,
+};
 use module::{Assembly, Parsed};
 use std::ffi::CStr;
 use thiserror::Error;

@@ -162,7 +162,9 @@ fn refusal(reason: NoEarlyReturn) -> GpuError {
     GpuError::Unsupported(match reason {
         NoEarlyReturn::Unknown => "an early return from a shader that the layer cannot parse",
         NoEarlyReturn::Subgroups => "an early return from a shader with subgroup operations",
-        NoEarlyReturn::Position => "an early return from a shader without access to the position of its fragment",
+        NoEarlyReturn::Position => {
+            "an early return from a shader without access to the position of its fragment"
+        }
     })
 }
 

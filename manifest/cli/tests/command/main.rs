@@ -89,11 +89,12 @@ fn a_failed_installation_says_why() {
 }
 
 #[test]
-fn run_sets_the_variable_and_exits_as_the_application_does() {
+fn run_sets_the_variables_and_exits_as_the_application_does() {
     let home = TempDir::new().unwrap();
-    let script = "echo $PARAFOVEA \"$@\"; exit 7";
+    let script = "echo $PARAFOVEA $VK_LOADER_LAYERS_ENABLE \"$@\"; exit 7";
     let output = parafovea(home.path(), &["run", "--", "sh", "-c", script, "sh", "-x", "a b"]);
-    assert_eq!((printed(&output).as_str(), output.status.code()), ("1 -x a b\n", Some(7)));
+    let expected = "1 VK_LAYER_PARAFOVEA_foveation -x a b\n";
+    assert_eq!((printed(&output).as_str(), output.status.code()), (expected, Some(7)));
     let missing = parafovea(home.path(), &["run", "--", "no-such-program"]);
     assert_eq!(missing.status.code(), Some(127));
     let complained = complained(&missing);

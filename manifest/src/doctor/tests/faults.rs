@@ -541,7 +541,10 @@ fn filters_of_the_vulkan_loader_are_read_as_it_reads_them() {
         let mut machine = Machine::new();
         machine.set("VK_LOADER_LAYERS_DISABLE", disable);
         machine.set("VK_LOADER_LAYERS_ALLOW", allow);
-        machine.ids()
+        let ids = machine.ids();
+        machine.set("VK_LOADER_LAYERS_ENABLE", "*parafovea*");
+        assert_eq!(machine.ids(), [""; 0], "enabled, whatever else is set");
+        ids
     };
     assert_eq!(ids("*MESA*, ~implicit~", ""), [""; 0]);
     assert_eq!(ids("*mesa*,*parafovea*", ""), ["filtered"]);
