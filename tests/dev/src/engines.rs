@@ -1,5 +1,5 @@
-//! Unmodified engines on Monado: Debian sid's Godot and Qt Quick 3D XR, Monado with a simulated headset and nothing to show pictures on, and lavapipe, unpacked
-//! below the target folder. Takes root's rights to enter that folder, none to make it.
+//! Unmodified engines on Monado: Debian sid's Godot and Qt Quick 3D XR, beside MangoHud and vkBasalt, Monado with a simulated headset and
+//! nothing to show pictures on, and lavapipe, unpacked below the target folder. Takes root's rights to enter that folder, none to make it.
 
 use crate::setup::{Voice, setup};
 use crate::steps::{Steps, profile_folder};
@@ -24,6 +24,7 @@ const SYSTEM: Set = Set {
         "libxi6",
         "libxinerama1",
         "libxrandr2",
+        "mangohud",
         "mesa-vulkan-drivers",
         "monado-service",
         "qml-qt6",
@@ -32,6 +33,7 @@ const SYSTEM: Set = Set {
         "qml6-module-qtquick3d",
         "qml6-module-qtquick3d-helpers",
         "qml6-module-qtquick3d-xr",
+        "vkbasalt",
         "vulkan-validationlayers",
         "xvfb",
     ],

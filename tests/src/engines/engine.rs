@@ -15,6 +15,8 @@ pub struct Engine {
     pub scene: Scene,
     /// Whether there is an eye tracker: the gaze of a file ([`Engine::gaze`]). Otherwise the layer uses the centre of the view.
     pub is_tracked: bool,
+    /// Whether MangoHud and vkBasalt are in the application, too.
+    pub has_overlays: bool,
     /// The layer's preset.
     pub preset: Preset,
 }
@@ -59,7 +61,7 @@ impl Scene {
 
 impl Engine {
     /// All of them.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 24] = [
         Self::still(MOBILE, 1),
         Self::still(MOBILE, 2),
         Self::still(MOBILE, 4),
@@ -75,6 +77,8 @@ impl Engine {
         Self { scene: Scene::Light, is_tracked: true, ..Self::still(FORWARD_PLUS, 1) },
         Self { scene: Scene::Flat, ..Self::still(MOBILE, 1) },
         Self { scene: Scene::Flat, ..Self::still(FORWARD_PLUS, 1) },
+        Self { scene: Scene::Light, has_overlays: true, ..Self::still(MOBILE, 1) },
+        Self { scene: Scene::Light, has_overlays: true, ..Self::still(FORWARD_PLUS, 1) },
         Self::still(QT, 1),
         Self::still(QT, 4),
         Self { moves: true, ..Self::still(QT, 4) },
@@ -91,6 +95,7 @@ impl Engine {
             moves: false,
             scene: Scene::Full,
             is_tracked: false,
+            has_overlays: false,
             preset: Preset::Balanced,
         }
     }
@@ -109,6 +114,7 @@ impl Engine {
             (self.moves, "moving"),
             (self.scene != Scene::Full, self.scene.name()),
             (self.is_tracked, "tracked"),
+            (self.has_overlays, "overlays"),
             (self.preset != Preset::Balanced, self.preset.name()),
         ];
         for (_, part) in parts.into_iter().filter(|(is_there, _)| *is_there) {
@@ -139,14 +145,14 @@ impl Engine {
     pub fn command(self, settings: &Settings, pictures: Option<&str>) -> Vec<String> {
         let (msaa, head) = (self.msaa(), if self.moves { "moving" } else { "still" });
         let Settings { warm, settle_s, frames, rounds, .. } = settings;
-        let mut words: Vec<String> = match self.program {
+        let mut words = if self.has_overlays { vec!["MANGOHUD=1", "ENABLE_VKBASALT=1"] } else { Vec::new() };
+        match self.program {
             Program::Godot(renderer) => {
-                let fixed =
-                    ["godot", "--path", "/opt/engines/godot", "--fixed-fps", "60", "--rendering-method"];
-                fixed.into_iter().chain([renderer]).map(str::to_owned).collect()
+                words.extend(["godot", "--path", "/opt/engines/godot", "--fixed-fps", "60"]);
+                words.extend(["--rendering-method", renderer]);
             }
             Program::Qt { is_multiview, submits_depth, .. } => {
-                let mut words = vec!["LC_ALL=C.UTF-8", "QSG_RHI_BACKEND=vulkan"];
+                words.extend(["LC_ALL=C.UTF-8", "QSG_RHI_BACKEND=vulkan"]);
                 // Scripts read and write files by requests: CPU time, and the number of a saved frame.
                 words.extend(["QML_XHR_ALLOW_FILE_READ=1", "QML_XHR_ALLOW_FILE_WRITE=1"]);
                 if !is_multiview {
@@ -156,9 +162,9 @@ impl Engine {
                     words.push("QT_QUICK3D_XR_SUBMIT_DEPTH=1");
                 }
                 words.extend(["/usr/lib/qt6/bin/qml", "/opt/engines/qt/main.qml"]);
-                words.into_iter().map(str::to_owned).collect()
             }
-        };
+        }
+        let mut words: Vec<String> = words.into_iter().map(str::to_owned).collect();
         words.extend(["--".to_owned(), format!("msaa={msaa}"), format!("head={head}")]);
         match self.program {
             Program::Godot(_) => words.push(format!("scene={}", self.scene.name())),

@@ -76,6 +76,9 @@ impl System {
         write(&above, &TestLayer::Count.implicit_manifest(library))?;
         let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("engines");
         copy(&scenes.join("run.sh"), &root.join("opt/engines/run.sh"))?;
+        // MangoHud ends the application without it.
+        let devices = root.join("sys/class/drm");
+        fs::create_dir_all(&devices).map_err(HarnessError::file(&devices))?;
         for engine in ["godot", "qt"] {
             let (from, to) = (scenes.join(engine), root.join("opt/engines").join(engine));
             for entry in fs::read_dir(&from).map_err(HarnessError::file(&from))?.flatten() {
