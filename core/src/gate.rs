@@ -17,11 +17,16 @@
 //!
 //! A scene is a set of eye passes. A pass that comes and goes begins no scene; its frames do not count.
 //!
+//! At a changing resolution a verdict has to hold for the cost alone and for the cost per pixel. With dynamic resolution, where the pixels
+//! follow the technique, half of the cost or more counts per pixel.
+//!
 //! [`Gates`] has one gate for shading rates and one for re-use; at most one of them has a trial at any time.
 
 mod both;
+mod comparison;
 mod estimate;
 mod evidence;
+mod frame;
 mod running_trial;
 mod scenes;
 mod trial;
@@ -29,6 +34,7 @@ mod trial;
 pub use both::{Gates, MeasuredFrame, Techniques};
 pub use estimate::{MARGIN, Verdict};
 pub use evidence::Evidence;
+pub use frame::GateFrame;
 pub use scenes::SCENE_HOLD_NS;
 
 use crate::gaze::GazePhase;
@@ -91,22 +97,6 @@ const PATIENCE_NS: i64 = 10_000_000_000;
 /// frames are under way.
 const SETTLING: u32 = 2;
 
-/// A rendered frame with its cost, which may be known later than the frame ended. Frames come in order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GateFrame {
-    /// Now, nanoseconds on any one clock.
-    pub time_ns: i64,
-    /// Time *spent* on the frame, nanoseconds, never the time between frames, which a display's clock or a frame limiter can pin: GPU
-    /// time of the whole frame, our own work with it, or CPU time of the process where a CPU renders. None if unknown.
-    pub cost_ns: Option<u64>,
-    /// Whether the technique was on in that frame.
-    pub was_on: bool,
-    /// Phase of the gaze now.
-    pub phase: GazePhase,
-    /// Number that identifies the set of eye passes of that frame. `None` without passes.
-    pub passes: Option<u32>,
-}
-
 /// Gate of one technique. Has no clock; allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Gate {
@@ -117,6 +107,8 @@ pub struct Gate {
     evidence: Evidence,
     scenes: Scenes,
     recent: RecentCosts,
+    /// The last known number of pixels, 1 before it.
+    pixels: u32,
     /// Consecutive frames with the technique in one state.
     same: u32,
     last_was_on: bool,
@@ -146,6 +138,7 @@ impl Gate {
             evidence: Evidence::default(),
             scenes: Scenes::default(),
             recent: RecentCosts::default(),
+            pixels: 1,
             same: 0,
             last_was_on: false,
             on_since_ns: 0,
@@ -288,11 +281,13 @@ impl Gate {
             self.on_since_ns = frame.time_ns;
         }
         self.last_was_on = frame.was_on;
+        self.pixels = if frame.pixels > 0 { frame.pixels } else { self.pixels };
         let is_ramping = frame.was_on && !has_elapsed(Some(self.on_since_ns), RAMP_NS, frame.time_ns);
         let cost = frame.cost_ns.filter(|&cost| cost > 0 && self.same >= SETTLING);
         let Some(cost) = cost.filter(|_| self.scenes.is_current(frame.passes)) else { return };
         self.unanswered_since_ns = None;
-        let cost = Cost { time_ns: frame.time_ns, ln: (cost as f64).ln() as f32 };
+        let [ln, ln_pixels] = [cost as f64, f64::from(self.pixels)].map(|count| count.ln() as f32);
+        let cost = Cost { time_ns: frame.time_ns, ln, ln_pixels };
         match &mut self.trial {
             _ if is_ramping => {}
             Some(running) if frame.was_on == running.trial.is_on() => running.trial.push(cost),

@@ -25,6 +25,8 @@ pub struct MeasuredFrame {
     pub phase: GazePhase,
     /// [`GateFrame::passes`].
     pub passes: Option<u32>,
+    /// [`GateFrame::pixels`].
+    pub pixels: u32,
 }
 
 /// A gate for each technique. Only one of them has a trial at a time, so that a difference in cost is always that of one technique.
@@ -65,6 +67,7 @@ impl Gates {
             was_on,
             phase: frame.phase,
             passes: frame.passes,
+            pixels: frame.pixels,
         };
         let Techniques { rates: rates_on, reuse: reuse_on } = frame.was_on;
         let rates_frame = seen(rates_on, reuse_on, reuse);

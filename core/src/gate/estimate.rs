@@ -98,6 +98,16 @@ impl Estimate {
         }
     }
 
+    /// Whether it differs from 0, with the confidence of that quantile of the normal distribution.
+    pub(super) fn is_difference(&self, quantile: f64) -> bool {
+        self.mean.abs() > student_t(quantile, self.freedom) * self.standard_error
+    }
+
+    /// The logarithm.
+    pub(super) fn mean(&self) -> f64 {
+        self.mean
+    }
+
     /// Whether a saving is likely, without enough confidence for a decision.
     pub(super) fn is_promising(&self) -> bool {
         self.mean < -MARGIN && self.mean + self.standard_error < 0.0

@@ -24,7 +24,8 @@ impl Evidence {
         self.verdict
     }
 
-    /// Cost of a frame with the technique in costs without it, and its 95 % confidence interval. `None` before the end of the first trial.
+    /// Cost of a frame with the technique in costs without it, and its 95 % confidence interval; at changing resolutions the end with the
+    /// smaller saving. `None` before the end of the first trial.
     pub fn ratio(&self) -> Option<(f64, [f64; 2])> {
         self.estimate.map(|estimate| estimate.ratio())
     }

@@ -60,9 +60,11 @@ impl RunningTrial {
         let least = if self.trial.at() == 2 { frames_before.min(4 * LEAST) } else { LEAST };
         if frames >= self.next_estimate.max(least) || is_over {
             self.next_estimate = 2 * frames.max(LEAST);
-            let estimate = self.trial.estimate();
+            let comparison = self.trial.compare();
+            let estimate = comparison.map(|comparison| comparison.estimate());
             self.latest = estimate;
-            let verdict = |quantile| estimate.map_or(Verdict::Unclear, |estimate| estimate.verdict(quantile));
+            let verdict =
+                |quantile| comparison.map_or(Verdict::Unclear, |comparison| comparison.verdict(quantile));
             let strict = verdict(STRICT);
             let is_last = self.trial.at() == if self.is_control { 2 } else { SEGMENTS - 1 };
             match (self.trial.at(), strict) {

@@ -1,6 +1,8 @@
 use super::*;
 use proptest::prelude::*;
 
+mod game;
+mod resolution;
 mod simulation;
 mod table;
 
@@ -122,17 +124,18 @@ proptest! {
     #[test]
     fn takes_anything(
         frames in prop::collection::vec(
-            (any::<i64>(), any::<Option<u64>>(), any::<bool>(), 0usize..5, any::<Option<u32>>(), any::<bool>()),
+            (any::<i64>(), any::<Option<u64>>(), any::<bool>(), 0usize..5, any::<Option<u32>>(), any::<[u32; 2]>()),
             0..300,
         ),
     ) {
         let phases =
             [GazePhase::Fixation, GazePhase::Saccade, GazePhase::PostSaccade, GazePhase::Blink, GazePhase::Lost];
         let mut gate = Gate::new(GateMode::Auto);
-        for (time_ns, cost_ns, was_on, phase, passes, may_begin) in frames {
+        for (time_ns, cost_ns, was_on, phase, passes, [pixels, may_begin]) in frames {
+            let may_begin = may_begin % 2 == 0;
             let had_trial = gate.has_trial();
             let passes = passes.map(|passes| passes % 4);
-            let frame = GateFrame { time_ns, cost_ns, was_on, phase: phases[phase], passes };
+            let frame = GateFrame { time_ns, cost_ns, was_on, phase: phases[phase], passes, pixels };
             gate.frame(&frame, may_begin);
             let began = gate.has_trial() && !had_trial;
             prop_assert!(!began || may_begin);
@@ -265,6 +268,7 @@ fn two_are_told_apart() {
                 was_on: on,
                 phase: frame.phase,
                 passes: Some(2),
+                pixels: frame.pixels,
             });
             let gates = gates.gates();
             assert!(!(gates.rates.has_trial() && gates.reuse.has_trial()));
@@ -288,7 +292,8 @@ fn a_ramp_at_the_start_does_not_prolong_the_first_trial() {
             let was_on = gate.is_on();
             let cost_ns = Some((5e7 * jitter * if was_on { ramp } else { 1.0 }) as u64);
             let phase = GazePhase::Fixation;
-            let frame = GateFrame { time_ns: frames * frame_ns, cost_ns, was_on, phase, passes: Some(1) };
+            let frame =
+                GateFrame { time_ns: frames * frame_ns, cost_ns, was_on, phase, passes: Some(1), pixels: 0 };
             gate.frame(&frame, true);
             frames += 1;
         }

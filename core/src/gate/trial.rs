@@ -1,6 +1,6 @@
 //! Costs of one A/B trial, in up to four segments with the technique on and off in alternation.
 
-use super::estimate::{Estimate, Point};
+use super::comparison::{Comparison, Sample};
 
 /// Most points of a segment; once it is full, groups of frames become one point each.
 const ROOM: usize = 128;
@@ -11,6 +11,9 @@ const GROUP: usize = 8;
 /// Segments of a trial; even ones have the state that is kept.
 pub(super) const SEGMENTS: usize = 4;
 
+/// Most points of a trial.
+pub(super) const MOST_POINTS: usize = SEGMENTS * ROOM;
+
 /// Frames ahead of a trial that count as its first segment.
 pub(super) const RECENT: usize = 32;
 
@@ -20,6 +23,8 @@ pub(super) struct Cost {
     pub(super) time_ns: i64,
     /// Natural logarithm of nanoseconds.
     pub(super) ln: f32,
+    /// Natural logarithm of the frame's pixels.
+    pub(super) ln_pixels: f32,
 }
 
 /// The newest costs outside of trials, in order.
@@ -61,26 +66,26 @@ impl RecentCosts {
 /// Costs between two switches. Allocates nothing.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
-    points: [(f32, f32); ROOM],
+    points: [Sample; ROOM],
     len: usize,
     /// Frames in each point: 1 or [`GROUP`].
     per_point: usize,
-    group: [(f32, f32); GROUP],
+    group: [Sample; GROUP],
     in_group: usize,
     frames: usize,
 }
 
 impl Segment {
     const EMPTY: Self = Self {
-        points: [(0.0, 0.0); ROOM],
+        points: [Sample::ZERO; ROOM],
         len: 0,
         per_point: 1,
-        group: [(0.0, 0.0); GROUP],
+        group: [Sample::ZERO; GROUP],
         in_group: 0,
         frames: 0,
     };
 
-    fn push(&mut self, at_s: f32, cost: f32) {
+    fn push(&mut self, sample: Sample) {
         if self.per_point == 1 && self.len == ROOM {
             let groups = self.points;
             for (point, group) in self.points.iter_mut().zip(groups.chunks_exact(GROUP)) {
@@ -93,11 +98,11 @@ impl Segment {
         }
         self.frames += 1;
         if self.per_point == 1 {
-            self.points[self.len] = (at_s, cost);
+            self.points[self.len] = sample;
             self.len += 1;
             return;
         }
-        self.group[self.in_group] = (at_s, cost);
+        self.group[self.in_group] = sample;
         self.in_group += 1;
         if self.in_group == GROUP {
             self.points[self.len] = trimmed_mean(&self.group);
@@ -107,14 +112,18 @@ impl Segment {
     }
 }
 
-/// Mean time, and mean cost without the least and the greatest.
-fn trimmed_mean(group: &[(f32, f32)]) -> (f32, f32) {
+/// Mean time and pixels, and mean cost without the least and the greatest.
+fn trimmed_mean(group: &[Sample]) -> Sample {
     let count = group.len() as f32;
-    let at_s = group.iter().map(|point| point.0).sum::<f32>() / count;
-    let costs = group.iter().map(|point| point.1);
+    let mean = |of: fn(&Sample) -> f32| group.iter().map(of).sum::<f32>() / count;
+    let costs = group.iter().map(|sample| sample.cost);
     let (least, most) =
         costs.clone().fold((f32::MAX, f32::MIN), |(least, most), cost| (least.min(cost), most.max(cost)));
-    (at_s, (costs.sum::<f32>() - least - most) / (count - 2.0))
+    Sample {
+        at_s: mean(|sample| sample.at_s),
+        cost: (costs.sum::<f32>() - least - most) / (count - 2.0),
+        pixels: mean(|sample| sample.pixels),
+    }
 }
 
 /// The costs of a trial.
@@ -124,12 +133,15 @@ pub(super) struct Trial {
     is_kept_on: bool,
     segments: [Segment; SEGMENTS],
     at: usize,
+    /// [`Cost::ln_pixels`] of the first cost.
+    first_ln_pixels: Option<f32>,
 }
 
 impl Trial {
     /// Begins the second segment now; `recent` costs are the first.
     pub(super) fn begin(now_ns: i64, is_kept_on: bool, recent: &[Cost]) -> Self {
-        let mut trial = Self { began_ns: now_ns, is_kept_on, segments: [Segment::EMPTY; SEGMENTS], at: 0 };
+        let segments = [Segment::EMPTY; SEGMENTS];
+        let mut trial = Self { began_ns: now_ns, is_kept_on, segments, at: 0, first_ln_pixels: None };
         recent.iter().for_each(|&cost| trial.push(cost));
         trial.at = 1;
         trial
@@ -157,21 +169,17 @@ impl Trial {
 
     pub(super) fn push(&mut self, cost: Cost) {
         let at_s = cost.time_ns.saturating_sub(self.began_ns) as f64 / 1e9;
-        self.segments[self.at].push(at_s as f32, cost.ln);
+        let pixels = cost.ln_pixels - *self.first_ln_pixels.get_or_insert(cost.ln_pixels);
+        self.segments[self.at].push(Sample { at_s: at_s as f32, cost: cost.ln, pixels });
     }
 
-    /// The estimate so far. Before the third segment a drift cannot be distinguished from a saving, and no drift is assumed.
-    pub(super) fn estimate(&self) -> Option<Estimate> {
-        let mut points = [Point::default(); SEGMENTS * ROOM];
-        let mut len = 0;
-        for (at, segment) in self.segments.iter().enumerate() {
-            let is_on = self.is_kept_on == (at % 2 == 0);
-            for &(at_s, cost) in &segment.points[..segment.len] {
-                points[len] = Point { at_s, cost, weight: segment.per_point as f32, is_on };
-                len += 1;
-            }
-        }
-        Estimate::of(&mut points[..len], self.at > 1, &mut [0.0; SEGMENTS * ROOM])
+    /// The comparison so far.
+    pub(super) fn compare(&self) -> Option<Comparison> {
+        let segments = self.segments[..=self.at].iter().map(|segment| {
+            let weight = segment.per_point as f32;
+            (&segment.points[..segment.len], weight)
+        });
+        Comparison::of(segments, self.is_kept_on)
     }
 }
 
@@ -182,7 +190,7 @@ mod tests {
     #[test]
     fn the_oldest_costs_go() {
         let mut recent = RecentCosts::default();
-        (0..40).for_each(|time_ns| recent.push(Cost { time_ns, ln: 1.0 }));
+        (0..40).for_each(|time_ns| recent.push(Cost { time_ns, ln: 1.0, ln_pixels: 0.0 }));
         assert_eq!(recent.since(0).first().unwrap().time_ns, 8);
         assert_eq!(recent.since(30).len(), 10);
         recent.clear();
@@ -193,10 +201,12 @@ mod tests {
     #[test]
     fn groups_keep_the_mean() {
         let mut segment = Segment::EMPTY;
-        (0..1000).for_each(|frame| segment.push(frame as f32, if frame % 8 == 5 { 9.0 } else { 2.0 }));
+        let sample = |at_s: u16, cost| Sample { at_s: f32::from(at_s), cost, pixels: 0.5 };
+        (0..1000).for_each(|frame| segment.push(sample(frame, if frame % 8 == 5 { 9.0 } else { 2.0 })));
         assert_eq!((segment.frames, segment.len, segment.per_point), (1000, 125, 8));
-        assert!(segment.points[..segment.len].iter().all(|point| (point.1 - 2.0).abs() < 1e-6));
-        (0..1000).for_each(|frame| segment.push(frame as f32, 2.0));
+        let is_mean = |point: &Sample| (point.cost - 2.0).abs() < 1e-6 && point.pixels == 0.5;
+        assert!(segment.points[..segment.len].iter().all(is_mean));
+        (0..1000).for_each(|frame| segment.push(sample(frame, 2.0)));
         assert_eq!((segment.frames, segment.len), (1024, ROOM));
     }
 

@@ -173,6 +173,8 @@ pub struct FrameReportRecord {
     /// Number that distinguishes the set of passes recognised as an eye buffer, whether rates are on or not, from other sets; 0: there was
     /// none.
     pub eye_passes: u32,
+    /// Pixels of the largest picture of these passes; 0: there were none.
+    pub eye_pixels: u32,
     /// Whether passes read eye buffers of earlier frames: [`Feedback::number`](crate::pass_detection::Feedback::number).
     pub feedback: u32,
     /// Number of decisions so far ([`LinkTable::decision`](super::LinkTable::decision)).

@@ -1,4 +1,4 @@
-//! The set of passes that show an eye, by which the benefit gate distinguishes scenes.
+//! The set of passes that show an eye, by which the benefit gate distinguishes scenes, and their resolution.
 
 use super::{ImageDescription, Pass};
 use ash::vk;
@@ -8,7 +8,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 /// More kinds of passes than a frame's eyes have: further ones are ignored.
 const MOST: usize = 16;
 
-/// The kinds of passes that show an eye in one frame.
+/// The kinds of passes that show an eye in one frame, and the pixels of the largest one.
 ///
 /// Kinds depend only on properties that stay from frame to frame: images change in many applications, sizes with dynamic resolution, and
 /// the number of passes wherever one is interrupted by a copy. Passes of one kind are one element of the set, regardless of their number.
@@ -16,6 +16,7 @@ const MOST: usize = 16;
 pub struct EyePasses {
     /// In their order, each once.
     kinds: SmallVec<[u32; MOST]>,
+    pixels: u32,
 }
 
 /// The common properties of the passes of one kind.
@@ -33,6 +34,8 @@ struct Kind {
 impl EyePasses {
     /// Adds a pass that shows an eye; `first` is the image that it draws to first.
     pub fn add(&mut self, pass: &Pass, first: &ImageDescription) {
+        let [_, _, width, height] = pass.picture_area();
+        self.pixels = self.pixels.max(width.saturating_mul(height));
         let kind = hash(&Kind {
             format: first.format,
             samples: first.samples,
@@ -51,9 +54,16 @@ impl EyePasses {
         if self.kinds.is_empty() { 0 } else { hash(&self.kinds).max(1) }
     }
 
+    /// Pixels of the largest picture among the passes; 0: there is none. The largest one, because the number of passes changes from frame to
+    /// frame in many applications, and all views of one have the same scale.
+    pub fn pixels(&self) -> u32 {
+        self.pixels
+    }
+
     /// Begins another frame.
     pub fn clear(&mut self) {
         self.kinds.clear();
+        self.pixels = 0;
     }
 }
 
@@ -99,6 +109,26 @@ mod tests {
         let mut eyes = EyePasses::default();
         passes.iter().for_each(|(colors, first)| eyes.add(&pass(*colors), first));
         eyes.number()
+    }
+
+    /// Both eyes, an inset, and a pass that ends early: one resolution. In a target of a fixed size it is that of the viewport.
+    #[test]
+    fn the_largest_picture_is_the_resolution() {
+        let first = image(1, vk::Format::R8G8B8A8_SRGB, 2000);
+        let mut eyes = EyePasses::default();
+        assert_eq!(eyes.pixels(), 0);
+        let mut draw = |sides: &[[u32; 2]], target: [u32; 2]| {
+            eyes.clear();
+            for [width, height] in sides {
+                let region = [0, 0, *width, *height];
+                eyes.add(&Pass { area: [0, 0, target[0], target[1]], region, ..pass(1) }, &first);
+            }
+            eyes.pixels()
+        };
+        assert_eq!(draw(&[[600, 600], [1000, 1100], [1000, 1100]], [1000, 1100]), 1_100_000);
+        assert_eq!(draw(&[[800, 880], [800, 880]], [1000, 1100]), 800 * 880);
+        assert_eq!(draw(&[[0, 0]], [0, 0]), 0);
+        assert_eq!(draw(&[[u32::MAX, u32::MAX]], [u32::MAX, u32::MAX]), u32::MAX);
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub struct EndedFrame {
     pub passes: u32,
     /// Hash of the set of passes that it recognised as an eye buffer, with or without maps; 0: none.
     pub eye_passes: u32,
+    /// Pixels of the largest picture of these passes; 0: none.
+    pub eye_pixels: u32,
     /// The phase of the gaze.
     pub phase: GazePhase,
 }
@@ -147,6 +149,7 @@ impl Benefit {
             was_on,
             phase: now.phase,
             passes: (frame.eye_passes > 0).then_some(frame.eye_passes),
+            pixels: frame.eye_pixels,
         });
     }
 }
@@ -223,6 +226,7 @@ mod tests {
                 wanted: benefit.is_on(),
                 passes: if on { passes } else { 0 },
                 eye_passes: passes,
+                eye_pixels: 0,
                 phase: GazePhase::Fixation,
             };
             benefit.frame_ended(&frame, &[])
@@ -251,8 +255,9 @@ mod tests {
         for time_ns in 0..1000 {
             let phase = GazePhase::Saccade;
             for clock in [Clock::Cpu(None), Clock::Gpu(time_ns as u64)] {
+                let wanted = benefit.is_on();
                 let frame =
-                    EndedFrame { time_ns, clock, wanted: benefit.is_on(), passes: 2, eye_passes: 2, phase };
+                    EndedFrame { time_ns, clock, wanted, passes: 2, eye_passes: 2, eye_pixels: 0, phase };
                 assert_eq!((benefit.frame_ended(&frame, &[]), benefit.is_on().rates), (None, true));
             }
         }
@@ -273,6 +278,7 @@ mod tests {
                     wanted: benefit.is_on(),
                     passes: if on { 2 } else { 0 },
                     eye_passes: 2,
+                    eye_pixels: 0,
                     phase: GazePhase::Fixation,
                 };
                 let known = number.checked_sub(2).filter(|frame| frame % 7 != 3);
@@ -294,6 +300,32 @@ mod tests {
         }
     }
 
+    /// Pixels belong to the frame whose time is known two frames later.
+    #[test]
+    fn pixels_are_those_of_their_frames() {
+        for (pixels, is_kept) in [([1000, 1400], true), ([1000, 700], false)] {
+            let mut benefit = judging_rates();
+            for number in 0..3000_u64 {
+                let on = benefit.is_on().rates;
+                let frame = EndedFrame {
+                    time_ns: number as i64 * 11_111_111,
+                    clock: Clock::Gpu(number),
+                    wanted: benefit.is_on(),
+                    passes: if on { 2 } else { 0 },
+                    eye_passes: 2,
+                    eye_pixels: pixels[usize::from(on)],
+                    phase: GazePhase::Fixation,
+                };
+                let time = number.checked_sub(2).map(|frame| {
+                    let ns = 5_000_000 + 50_000 * (frame * 3 % 7);
+                    GpuCost { frame, ns, own: OwnWork::default() }
+                });
+                benefit.frame_ended(&frame, time.as_slice());
+            }
+            assert_eq!(benefit.is_kept().rates, is_kept, "{pixels:?}");
+        }
+    }
+
     #[test]
     fn each_technique_is_judged_by_what_it_changes() {
         for (rates, reuse) in [(0.6, 1.3), (1.3, 0.6), (0.7, 0.7)] {
@@ -310,6 +342,7 @@ mod tests {
                     wanted: on,
                     passes: if on.rates || on.reuse { 2 } else { 0 },
                     eye_passes: 2,
+                    eye_pixels: 0,
                     phase: GazePhase::Fixation,
                 };
                 said.extend(benefit.frame_ended(&frame, &[]));

@@ -319,6 +319,7 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
         wanted: sent_settings.map(|sent| sent.techniques).unwrap_or_default(),
         passes: report.passes_with_rates,
         eye_passes: report.eye_passes,
+        eye_pixels: report.eye_pixels,
         phase,
     };
     let costs = active.gpu_costs(report, is_timed && !on_cpu);

@@ -180,6 +180,7 @@ impl VulkanDevice {
             frame: 0,
             passes_with_rates: 0,
             eye_passes: 0,
+            eye_pixels: 0,
             feedback: 0,
             decisions: 0,
             untracked_frames: 0,
@@ -193,6 +194,7 @@ impl VulkanDevice {
         report.frame = record.frame;
         report.passes_with_rates = record.passes_with_rates;
         report.eye_passes = record.eye_passes;
+        report.eye_pixels = record.eye_pixels;
         report.feedback = Feedback::from_number(record.feedback);
         report.decisions = record.decisions;
         report.untracked_frames = record.untracked_frames;
@@ -295,6 +297,8 @@ pub struct FrameReport {
     pub passes_with_rates: u32,
     /// Number that distinguishes the set of passes recognised as an eye buffer, whether rates are on or not, from other sets; 0: none.
     pub eye_passes: u32,
+    /// Pixels of the largest picture of these passes; 0: none.
+    pub eye_pixels: u32,
     /// Whether passes read eye buffers of earlier frames.
     pub feedback: Feedback,
     /// Number of decisions so far.

@@ -198,14 +198,14 @@ pub fn bench(arguments: &[String]) -> Result<(), String> {
     steps.run(&format!("bench {name}"), in_root(&mut command))
 }
 
-/// The table of the benefit gate's decisions, which a test of the models prints and judges.
+/// The tables of the benefit gate's decisions, which tests of the models print and judge.
 fn gate(arguments: &[String]) -> Result<(), String> {
     if let Some(extra) = arguments.first() {
         return Err(format!("`bench {GATE}` accepts no arguments; unexpected: `{extra}`"));
     }
     let table = ["test", "--locked", "--quiet", "--package", "parafovea-core", "--lib", "--"];
     let mut command = cargo();
-    command.args(table).args(["gate::tests::table", "--nocapture"]);
+    command.args(table).args(["gate::tests::table", "--nocapture", "--test-threads", "1"]);
     Steps::default().run(&format!("bench {GATE}"), in_root(&mut command))
 }
 

@@ -25,9 +25,12 @@ pub(super) struct Simulation {
     wandered: f64,
     outliers: bool,
     eyes: Eyes,
-    /// Frames whose cost is not known yet: whether the technique was on, and the cost.
-    in_flight: VecDeque<(bool, u64)>,
+    /// Pixels of the next frame; 0: unknown.
+    pixels: u32,
+    /// Frames whose cost is not known yet: whether the technique was on, the cost, and the pixels.
+    in_flight: VecDeque<(bool, u64, u32)>,
     latency: usize,
+    newest_cost_ns: u64,
     frame_ns: i64,
 }
 
@@ -43,8 +46,10 @@ impl Simulation {
             wandered: 0.0,
             outliers: false,
             eyes: Eyes::Move,
+            pixels: 0,
             in_flight: VecDeque::new(),
             latency: 0,
+            newest_cost_ns: 0,
             frame_ns: 11_111_111,
         }
     }
@@ -87,6 +92,16 @@ impl Simulation {
         Self { outliers: true, ..self }
     }
 
+    /// Sets the pixels of the next frame.
+    pub(super) fn set_pixels(&mut self, pixels: u32) {
+        self.pixels = pixels;
+    }
+
+    /// The cost of the newest frame, nanoseconds, which the gate may not know yet.
+    pub(super) fn newest_cost_ns(&self) -> u64 {
+        self.newest_cost_ns
+    }
+
     pub(super) fn now(&self) -> i64 {
         self.frame * self.frame_ns
     }
@@ -108,14 +123,16 @@ impl Simulation {
         let base = 5e6 * self.growth.powi((self.frame % 100_000) as i32);
         let base = base * self.wandered.exp();
         let cost = base * factor * outlier * (1.0 + self.noise * normal).max(0.05);
-        self.in_flight.push_back((on, cost as u64));
+        self.newest_cost_ns = cost as u64;
+        self.in_flight.push_back((on, self.newest_cost_ns, self.pixels));
         let known = if self.in_flight.len() > self.latency { self.in_flight.pop_front() } else { None };
         GateFrame {
             time_ns: self.now(),
-            cost_ns: known.map(|(_, cost)| cost),
-            was_on: known.map_or(on, |(on, _)| on),
+            cost_ns: known.map(|(_, cost, _)| cost),
+            was_on: known.map_or(on, |(on, ..)| on),
             phase: self.phase(),
             passes: Some(2),
+            pixels: known.map_or(0, |(.., pixels)| pixels),
         }
     }
 
@@ -133,7 +150,7 @@ impl Simulation {
     }
 
     /// 0..1, by splitmix64 (Steele, Lea and Flood 2014).
-    fn uniform(&mut self) -> f64 {
+    pub(super) fn uniform(&mut self) -> f64 {
         self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = self.random;
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

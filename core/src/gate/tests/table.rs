@@ -1,6 +1,8 @@
 //! The table of decisions: applications with a known saving, 100 seeds each, 10 % of noise on every frame. To print it:
 //! `cargo dev bench gate`.
 
+mod resolution;
+
 use super::simulation::{Eyes, Simulation};
 use super::{Gate, GateFrame, GateMode, SECOND, is_hidden};
 

@@ -33,6 +33,8 @@ pub struct Log {
     eye_passes: EyePasses,
     /// [`EyePasses::number`] of the last frame.
     last_eye_passes: u32,
+    /// [`EyePasses::pixels`] of the last frame.
+    last_eye_pixels: u32,
     /// Stale tiles of each eye buffer that passes did not render, in the current frame and in the last.
     stale_tiles: [[StaleTiles; 2]; 2],
 }
@@ -105,6 +107,11 @@ impl Log {
         self.last_eye_passes
     }
 
+    /// [`EyePasses::pixels`] of the same passes.
+    pub fn eye_pixels(&self) -> u32 {
+        self.last_eye_pixels
+    }
+
     /// Use of earlier frames' images in an eye buffer, by the evidence of the last frames.
     pub fn feedback(&self) -> Feedback {
         self.recognition.feedback()
@@ -168,7 +175,8 @@ impl Log {
     pub fn begin_next(&mut self, objects: &Objects) {
         // Eye passes of a frame that was not followed are assumed to be the same as in the last sample.
         if self.learns() {
-            self.last_eye_passes = self.eye_passes.number();
+            (self.last_eye_passes, self.last_eye_pixels) =
+                (self.eye_passes.number(), self.eye_passes.pixels());
         } else {
             self.recognition.miss();
         }
@@ -208,6 +216,7 @@ mod tests {
                 log.eye_passes.add(&pass, &first);
             }
             log.begin_next(&objects);
+            assert_eq!(log.eye_pixels(), 64 * 64);
             log.eye_passes()
         };
         (0..5400).map(frame).collect()

@@ -17,6 +17,7 @@ pub unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
         report.frame = log.frame();
         report.passes_with_rates = log.with_rates();
         report.eye_passes = log.eye_passes();
+        report.eye_pixels = log.eye_pixels();
         report.untracked_frames = log.untracked_frames();
         report.feedback = log.feedback().number();
         for (eye, stale) in report.stale.iter_mut().enumerate() {

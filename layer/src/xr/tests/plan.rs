@@ -14,7 +14,7 @@ use super::fake::frames::{
     pose,
 };
 use super::fake::vulkan_half::{
-    self, Crossing, DECISIONS, GPU_NS, PASSES, STALE_WORDS, UNTRACKED_FRAMES, calls, crossings,
+    self, Crossing, DECISIONS, EYE_PIXELS, GPU_NS, PASSES, STALE_WORDS, UNTRACKED_FRAMES, calls, crossings,
 };
 use super::{create_instance, fake};
 use crate::config::{Config, ConfigSnapshot, RatesBackend, RatesGate, ReuseMode};

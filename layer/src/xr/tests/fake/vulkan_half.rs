@@ -30,6 +30,8 @@ thread_local! {
     pub static PASSES: Cell<u32> = const { Cell::new(0) };
     /// Whether a GPU renders, and its time for a frame, nanoseconds: without rates and with them.
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
+    /// Pixels of the largest picture of a frame's eye passes: without rates and with them.
+    pub static EYE_PIXELS: Cell<[u32; 2]> = const { Cell::new([0; 2]) };
     /// Frames from the next one on that are not followed.
     pub static UNTRACKED_FRAMES: Cell<u32> = const { Cell::new(0) };
     /// Stale tiles of the right eye buffers, in rows of 32 tiles.
@@ -311,6 +313,7 @@ unsafe extern "C" fn end_frame(
     report.frame = FRAMES.get();
     report.passes_with_rates = if IS_ON.get() { PASSES.get() } else { 0 };
     report.eye_passes = PASSES.get();
+    report.eye_pixels = EYE_PIXELS.get()[usize::from(IS_ON.get())];
     report.untracked_frames = UNTRACKED_FRAMES.get();
     report.decisions = DECISIONS.with_borrow(Vec::len) as u32;
     TIMES.with_borrow_mut(|times| {

@@ -45,6 +45,28 @@ fn rates_that_take_a_gpu_longer_are_dropped() {
     GPU_NS.set(None);
 }
 
+/// An application with dynamic resolution holds its GPU time: rates that save time give it more pixels, and rates that cost time fewer.
+#[test]
+fn rates_that_give_more_pixels_are_kept() {
+    for (pixels, is_on) in [([1_000_000, 1_300_000], 1), ([1_000_000, 900_000], 0), ([1_000_000; 2], 0)] {
+        GPU_NS.set(Some([5_000_000; 2]));
+        EYE_PIXELS.set(pixels);
+        PASSES.set(2);
+        let application = Application::new();
+        crossings();
+        (0..3000).for_each(|_| application.frame());
+        let settings = crossings().into_iter().filter_map(|received| match received {
+            Crossing::Settings { is_on, .. } => Some(is_on),
+            _ => None,
+        });
+        let settings: Vec<u32> = settings.collect();
+        assert!(settings.len() > 2, "it never looked: {settings:?}");
+        assert_eq!(settings.last(), Some(&is_on), "{pixels:?}: {settings:?}");
+    }
+    EYE_PIXELS.set([0; 2]);
+    GPU_NS.set(None);
+}
+
 /// Runs frames; returns the number of queries of the eye tracker in them, and of frame ends that the Vulkan half received.
 fn noticed(application: &Application, frames: u32) -> [usize; 2] {
     GAZE_LOCATED.set(0);
