@@ -1,11 +1,11 @@
-//! Variables by which users, launchers and applications filter the Vulkan loader's layers, since loader 1.3.234.
+//! Variables by which users, launchers and applications filter the Vulkan loader's layers, since loader 1.3.234; exceptions since 1.3.262.
 //!
 //! Blender sets `VK_LOADER_LAYERS_DISABLE` at its start, in its own process.
 //!
 //! Source: `LoaderLayerInterface.md`, "Layer Filtering".
 
 use crate::json::Half;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 
 /// Layers that stay out.
 pub const DISABLE_LAYERS: &str = "VK_LOADER_LAYERS_DISABLE";
@@ -27,17 +27,19 @@ pub fn disabling_word(variable: impl Fn(&str) -> Option<OsString>) -> Option<Str
     (!overrules(ALLOW_LAYERS) && !overrules(ENABLE_LAYERS)).then(|| by.to_owned())
 }
 
-/// A value of `VK_LOADER_LAYERS_ENABLE` that has the Vulkan half loaded, besides the layers of the given value.
+/// A value of `VK_LOADER_LAYERS_ENABLE` that has the Vulkan half loaded, besides the layers of the given value. Ours comes first: the loader reads
+/// sixteen names.
 pub fn enabling(value: Option<OsString>) -> OsString {
-    let mut value = value.unwrap_or_default();
+    let value = value.unwrap_or_default();
     if value.to_string_lossy().split(',').any(matches_layer) {
         return value;
     }
+    let mut enabling = OsString::from(Half::Vulkan.layer_name());
     if !value.is_empty() {
-        value.push(",");
+        enabling.push(",");
+        enabling.push(value);
     }
-    value.push(OsStr::new(Half::Vulkan.layer_name()));
-    value
+    enabling
 }
 
 /// Whether a filter of the loader means our layer: its name, or part of it with `*` at the ends; upper and lower case are the same, and
@@ -86,7 +88,7 @@ mod tests {
         let enabling = |value: &str| enabling(Some(value.into())).into_string().unwrap();
         assert_eq!(super::enabling(None), "VK_LAYER_PARAFOVEA_foveation");
         assert_eq!(enabling(""), "VK_LAYER_PARAFOVEA_foveation");
-        assert_eq!(enabling("*MESA*"), "*MESA*,VK_LAYER_PARAFOVEA_foveation");
+        assert_eq!(enabling("*MESA*"), "VK_LAYER_PARAFOVEA_foveation,*MESA*");
         assert_eq!(enabling("*parafovea*"), "*parafovea*");
         let word = |enabled: Option<OsString>| {
             disabling_word(|name| match name {

@@ -5,9 +5,9 @@
 //! are compared at both ends of the possible shares, and only a verdict that holds at both counts:
 //!
 //! - all of the cost follows the pixels: the cost per pixel;
-//! - none of it does: the cost alone; or half of it, once the pixels follow the technique.
+//! - none of it does: the cost alone; or half of it, once the pixels follow the technique, in segments that are long enough to show it.
 //!
-//! Pixels that change for any other reason follow the technique only by chance, and then make no saving of a clearly higher cost. At a
+//! Pixels that change for any other reason follow the technique only by chance; even then, a clearly higher cost is no saving. At a
 //! constant resolution both ends are the cost alone.
 
 use super::estimate::{Estimate, MARGIN, Point, STRICT, Verdict};
@@ -31,7 +31,8 @@ impl Sample {
 /// Least share of the cost that follows the pixels, where the pixels follow the technique: with less, they would hardly control the cost.
 const LEAST_SHARE: f32 = 0.5;
 
-/// Least change of the pixels at each switch, in their mean difference with the technique: a resolution that changes once does not follow.
+/// Least change of the pixels at a switch, as a share of their mean difference between on and off: a resolution that changes once does not
+/// follow.
 const LEAST_CHANGE: f64 = 0.5;
 
 /// Least length of a segment, seconds, that shows whether pixels follow the technique: in a shorter one, pixels that wander seem to stay.
@@ -72,23 +73,23 @@ impl Comparison {
         if segments.clone().all(|(samples, _)| samples.iter().all(|sample| sample.pixels == 0.0)) {
             return Some(Self { worse: cost, better: cost });
         }
+        let is_long = |samples: &[Sample]| match samples {
+            [first, .., last] => last.at_s - first.at_s >= LEAST_S,
+            _ => false,
+        };
+        // More pixels at a clearly higher cost may be worth less than they cost.
+        let may_follow = segments.len() > 2
+            && segments.clone().skip(1).all(|(samples, _)| is_long(samples))
+            && !(cost.mean() > MARGIN && cost.is_difference(STRICT));
         let mut means = [f64::NAN; SEGMENTS];
         for (mean, (samples, _)) in means.iter_mut().zip(segments.clone()) {
             let sum: f64 = samples.iter().map(|sample| f64::from(sample.pixels)).sum();
             *mean = sum / samples.len() as f64;
         }
-        // More pixels at a clearly higher cost may be worth less than they cost.
-        let rises = cost.mean() > MARGIN && cost.is_difference(STRICT);
-        let is_long = |samples: &[Sample]| match samples {
-            [first, .., last] => last.at_s - first.at_s >= LEAST_S,
-            _ => false,
-        };
-        let are_long = segments.clone().skip(1).all(|(samples, _)| is_long(samples));
-        let pixels = estimate(&|sample| sample.pixels)?;
-        let least = if are_long && !rises && follows(&means[..segments.len()], begins_on, &pixels) {
-            at_share(LEAST_SHARE)?
-        } else {
-            cost
+        let pixels = if may_follow { estimate(&|sample| sample.pixels) } else { None };
+        let least = match pixels {
+            Some(pixels) if follows(&means[..segments.len()], begins_on, &pixels) => at_share(LEAST_SHARE)?,
+            _ => cost,
         };
         let most = at_share(1.0)?;
         let [better, worse] = if least.mean() < most.mean() { [least, most] } else { [most, least] };
@@ -107,8 +108,8 @@ impl Comparison {
     }
 }
 
-/// Whether the pixels follow the technique: they differ with it, and changed with it at each switch, of two or more. `means`: those of the
-/// segments.
+/// Whether the pixels follow the technique: they differ between on and off, and changed accordingly at every switch, of which there are two or
+/// more. `means`: mean pixels of each segment.
 fn follows(means: &[f64], begins_on: bool, difference: &Estimate) -> bool {
     let mut changes = means.windows(2).enumerate().map(|(at, pair)| {
         let turned_off = begins_on == at.is_multiple_of(2);

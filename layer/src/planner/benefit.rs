@@ -300,9 +300,9 @@ mod tests {
         }
     }
 
-    /// Pixels belong to the frame whose time is known two frames later.
+    /// At equal costs, which are known two frames later.
     #[test]
-    fn pixels_are_those_of_their_frames() {
+    fn more_pixels_with_a_technique_keep_it() {
         for (pixels, is_kept) in [([1000, 1400], true), ([1000, 700], false)] {
             let mut benefit = judging_rates();
             for number in 0..3000_u64 {

@@ -27,7 +27,7 @@ pub fn run(command: &[OsString]) -> ExitCode {
     }
     let mut application = Command::new(program);
     application.args(arguments).env(ENABLE_VARIABLE, "1");
-    // Applications that turn other programs' layers off at their start, as Blender does, leave this one.
+    // Applications that turn the layers of other programs off at their start, as Blender does, keep this one.
     application.env(ENABLE_LAYERS, enabling(env::var_os(ENABLE_LAYERS)));
     let error = application.exec();
     let name = program.to_string_lossy();

@@ -3,8 +3,8 @@
 //! Source for the Vulkan loader's variables: `LoaderLayerInterface.md`, "Layer Filtering" and "Linux Layer Discovery".
 
 use super::{Finding, Surroundings};
-use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
-use crate::loader_filters::{DISABLE_LAYERS, ENABLE_LAYERS, disabling_word};
+use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE};
+use crate::loader_filters::{DISABLE_LAYERS, disabling_word};
 use std::ffi::OsStr;
 
 pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
@@ -48,10 +48,7 @@ fn filtered(surroundings: &Surroundings) -> Option<Finding> {
             format!("{DISABLE_LAYERS} contains {by:?}, which matches this layer"),
             "The Vulkan loader skips the Vulkan half, and the OpenXR half has no effect alone.",
         )
-        .advise(format!(
-            "remove it from that variable, or set {ENABLE_LAYERS}={}, as `parafovea run` does",
-            Half::Vulkan.layer_name()
-        )),
+        .advise("remove it from that variable, or start programs by `parafovea run`, which overrules it"),
     )
 }
 

@@ -42,7 +42,7 @@ Usage: cargo dev TASK, in any folder of the repository
                         programs, other layers and configurations, or those with PART in `DEVICE PROGRAM`. --profiles writes the
                         shading-rate capabilities of the drivers to tests/layers/profiles/
   engines [--json] [--turns N] [--scale PERCENT] [PART]
-                        run Godot from Debian sid with each of its renderers, or those with PART in their names, on Monado and
+                        run Godot and Qt Quick 3D XR from Debian sid, or the variants with PART in their names, on Monado and
                         lavapipe, with and without the layer: engaged passes, CPU time, samples, validation messages. Works in
                         target/engines/; needs root
   run [--runtime mock|system] [--config FILE] -- CMD...

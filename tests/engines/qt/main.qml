@@ -1,9 +1,8 @@
-// Runs the scene in OpenXR and says what its frames cost.
+// Runs the scene in OpenXR and prints the cost of its frames.
 //
 // Arguments behind `--`: `msaa=0|2|4`, `head=still|moving`, `effects=off|on` (with them, bright lights glow, and passes map tones behind that
-// of the scene), `warm=N` and `settle=S` (frames and seconds before the measurement), `frames=N` (of a round), `rounds=N` (0 until the
-// session ends), `pictures=FOLDER`
-// (for saved frames). Where it cannot go on it says why and quits. The lines that it prints are those of `godot/main.gd`.
+// of the scene), `warm=N` and `settle=S` (frames and seconds before the measurement), `frames=N` (of a round), `rounds=N` (0 until the session
+// ends), `pictures=FOLDER` (for saved frames). Where it cannot go on, it prints the reason and quits. Its lines are those of `godot/main.gd`.
 
 import QtQuick
 import QtQuick3D
@@ -43,7 +42,7 @@ XrView {
         glowEnabled: true
     }
 
-    Room { frame: view.frame }
+    Room { id: room }
 
     Timer {
         id: settled
@@ -80,6 +79,7 @@ XrView {
         const wanted = Quaternion.fromAxisAndAngle(0, 1, 0, turned)
         origin.rotation = wanted.times(head.rotation.inverted())
         origin.position = Qt.vector3d(0, 160, 400).minus(origin.rotation.times(head.position))
+        room.frame = frame
         frame += 1
         if (Number(settings.rounds) === 0)
             return
@@ -126,7 +126,7 @@ XrView {
         beganMs = cpuMs()
     }
 
-    // Says why it cannot go on, and quits.
+    // Prints the reason for which it cannot go on, and quits.
     function fail(reason) {
         console.error("engine failed: " + reason)
         hasEnded = true

@@ -23,7 +23,7 @@ pub enum Program {
     /// Direct3D 11 by DXVK's Linux build, with this way of drawing.
     Direct3d(&'static str),
     /// Qt Quick 3D XR with this way of drawing.
-    Quick3d(&'static str),
+    Quick3d(quick3d::Look),
 }
 
 /// Frames of an application; passes are known from the fourth on.
@@ -41,7 +41,7 @@ impl Program {
         let others =
             [Self::VulkanInfo, Self::Doctor, Self::HelloXr("Vulkan"), Self::HelloXr("Vulkan2"), Self::Scene];
         let looks = direct3d::LOOKS.into_iter().map(Self::Direct3d);
-        let looks = looks.chain(quick3d::looks().map(Self::Quick3d));
+        let looks = looks.chain(quick3d::LOOKS.into_iter().map(Self::Quick3d));
         others.into_iter().chain(looks).chain(STYLES.iter().copied().map(Self::Style)).collect()
     }
 
@@ -54,7 +54,7 @@ impl Program {
             Self::VulkanInfo => "vulkaninfo".to_owned(),
             Self::Doctor => "doctor".to_owned(),
             Self::Direct3d(look) => format!("d3d11 {look}"),
-            Self::Quick3d(look) => format!("qt {look}"),
+            Self::Quick3d(look) => format!("qt {}", look.name),
         }
     }
 

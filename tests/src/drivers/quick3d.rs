@@ -6,36 +6,39 @@ use crate::run::{Application, Run};
 use crate::scenario::Scenario;
 use std::path::Path;
 
-/// Ways of drawing: a name, the samples of a pixel, whether a pass draws both eyes by multiview, and whether passes map tones behind the scene.
-type Look = (&'static str, u32, bool, bool);
+/// A way of drawing.
+#[derive(Clone, Copy)]
+pub struct Look {
+    /// Its name in tables.
+    pub name: &'static str,
+    /// Samples of a pixel; 0 for one.
+    samples: u32,
+    /// Whether a pass draws both eyes, by multiview.
+    is_multiview: bool,
+    /// Whether passes map tones behind the scene.
+    has_effects: bool,
+}
 
 /// All of them.
-const LOOKS: [Look; 4] = [
-    ("multiview", 0, true, false),
-    ("multisampled", 4, true, false),
-    ("by-eye", 0, false, false),
-    ("effects", 4, true, true),
+pub const LOOKS: [Look; 4] = [
+    Look { name: "multiview", samples: 0, is_multiview: true, has_effects: false },
+    Look { name: "multisampled", samples: 4, is_multiview: true, has_effects: false },
+    Look { name: "by-eye", samples: 0, is_multiview: false, has_effects: false },
+    Look { name: "effects", samples: 4, is_multiview: true, has_effects: true },
 ];
-
-/// Their names.
-pub fn looks() -> impl Iterator<Item = &'static str> {
-    LOOKS.into_iter().map(|(name, ..)| name)
-}
 
 /// A run of one until the session ends, without the layer.
 ///
 /// # Errors
 /// [`HarnessError::NoDriver`] where sid is not unpacked.
-pub fn run(look: &str, scenario: &Scenario) -> Result<Run, HarnessError> {
+pub fn run(look: Look, scenario: &Scenario) -> Result<Run, HarnessError> {
     let system = Folder::Sid.path()?;
-    let (_, samples, is_multiview, has_effects) =
-        LOOKS.into_iter().find(|(name, ..)| *name == look).unwrap_or(LOOKS[0]);
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("engines/qt/main.qml");
     let arguments = [
         scene.to_string_lossy().into_owned(),
         "--".to_owned(),
-        format!("msaa={samples}"),
-        format!("effects={}", if has_effects { "on" } else { "off" }),
+        format!("msaa={}", look.samples),
+        format!("effects={}", if look.has_effects { "on" } else { "off" }),
         // Until the session ends.
         "rounds=0".to_owned(),
     ];
@@ -48,5 +51,5 @@ pub fn run(look: &str, scenario: &Scenario) -> Result<Run, HarnessError> {
         .env("QT_QPA_PLATFORM", "vkkhrdisplay")
         .env("QSG_RHI_BACKEND", "vulkan")
         .env("LC_ALL", "C.UTF-8");
-    Ok(if is_multiview { run } else { run.env("QT_QUICK3D_XR_DISABLE_MULTIVIEW", "1") })
+    Ok(if look.is_multiview { run } else { run.env("QT_QUICK3D_XR_DISABLE_MULTIVIEW", "1") })
 }

@@ -181,7 +181,9 @@ fn messages(program: Program, seen: &Seen, without: Option<&Seen>) -> Vec<String
         None => Vec::new(),
         Some(_) => {
             let mut new = outcome.findings.beyond(findings);
-            new.retain(|found| !program.own_violations().contains(&found.rule.as_str()));
+            let has_without = |rule: &str| findings.vulkan.iter().any(|found| found.rule == rule);
+            let is_own = |rule: &str| program.own_violations().contains(&rule) && has_without(rule);
+            new.retain(|found| !is_own(&found.rule));
             new.into_iter().map(|found| format!("{}: {}", found.rule, found.text)).collect()
         }
     };

@@ -146,7 +146,9 @@ impl System {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let mut child = command.spawn().map_err(start_error(&command))?;
         let (mut status, mut told, mut polls) = (None, None, 0_u32);
+        let mut has_overlays = !engine.has_overlays;
         let ended = loop {
+            has_overlays = has_overlays || a_process_has(&OVERLAYS);
             if let Some(found) = self.status() {
                 status = Some(found);
                 polls += 1;
@@ -168,6 +170,9 @@ impl System {
         };
         if !ended.success() {
             return Err(failed(ended.to_string()));
+        }
+        if !has_overlays {
+            return Err(failed(format!("no process had {OVERLAYS:?} loaded")));
         }
         let log = self.log();
         let samples = self.read("tmp/samples.jsonl");
@@ -229,6 +234,16 @@ impl System {
     fn read(&self, path: &str) -> String {
         String::from_utf8_lossy(&fs::read(self.root.join(path)).unwrap_or_default()).into_owned()
     }
+}
+
+/// Libraries of MangoHud and vkBasalt.
+const OVERLAYS: [&str; 2] = ["libMangoHud.so", "libvkbasalt.so"];
+
+/// Whether a process of this machine has all of these libraries loaded.
+fn a_process_has(libraries: &[&str]) -> bool {
+    let processes = fs::read_dir("/proc").into_iter().flatten().flatten();
+    let mut maps = processes.filter_map(|process| fs::read_to_string(process.path().join("maps")).ok());
+    maps.any(|maps| libraries.iter().all(|library| maps.contains(library)))
 }
 
 fn copy(from: &Path, to: &Path) -> Result<(), HarnessError> {

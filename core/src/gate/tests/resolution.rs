@@ -32,7 +32,7 @@ proptest! {
 
     /// With dynamic resolution, whatever its speed, steps and share of the cost, a clear saving is kept.
     #[test]
-    fn dynamic_resolution_keeps_what_pays(
+    fn dynamic_resolution_keeps_a_saving(
         seed: u64,
         gain in 0.2f64..0.4,
         share in 0.5f64..1.0,

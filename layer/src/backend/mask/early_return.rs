@@ -16,12 +16,14 @@
 //! [`EarlyReturnParams`]: parafovea_core::mask::EarlyReturnParams
 
 mod module;
+mod subgroups;
 
 use crate::vk::shaders::spirv::{
     Instruction, MODEL_FRAGMENT, built_in, class, decoration, op, text, words_of,
 };
 use module::{Assembly, Parsed};
 use std::ffi::CStr;
+use subgroups::OVER_SUBGROUPS;
 use thiserror::Error;
 
 /// The wanted shader.
@@ -62,33 +64,6 @@ const CAPABILITY_MULTI_VIEW: u32 = 4439;
 
 /// The extension that has this capability, of which SPIR-V 1.3 is a superset.
 const MULTI_VIEW_EXTENSION: &CStr = c"SPV_KHR_multiview";
-
-/// Capabilities of operations whose results depend on the other fragments of the subgroup. Source: SPIR-V specification, section 3.31,
-/// "Capability".
-const OVER_SUBGROUPS: [u32; 9] = [
-    capability::GROUP_NON_UNIFORM_VOTE,
-    capability::GROUP_NON_UNIFORM_ARITHMETIC,
-    capability::GROUP_NON_UNIFORM_BALLOT,
-    capability::GROUP_NON_UNIFORM_SHUFFLE,
-    capability::GROUP_NON_UNIFORM_SHUFFLE_RELATIVE,
-    capability::GROUP_NON_UNIFORM_CLUSTERED,
-    capability::SUBGROUP_BALLOT,
-    capability::SUBGROUP_VOTE,
-    capability::GROUP_NON_UNIFORM_ROTATE,
-];
-
-/// Numbers of capabilities, by their names in SPIR-V.
-mod capability {
-    pub const GROUP_NON_UNIFORM_VOTE: u32 = 62;
-    pub const GROUP_NON_UNIFORM_ARITHMETIC: u32 = 63;
-    pub const GROUP_NON_UNIFORM_BALLOT: u32 = 64;
-    pub const GROUP_NON_UNIFORM_SHUFFLE: u32 = 65;
-    pub const GROUP_NON_UNIFORM_SHUFFLE_RELATIVE: u32 = 66;
-    pub const GROUP_NON_UNIFORM_CLUSTERED: u32 = 67;
-    pub const SUBGROUP_BALLOT: u32 = 4423;
-    pub const SUBGROUP_VOTE: u32 = 4431;
-    pub const GROUP_NON_UNIFORM_ROTATE: u32 = 6026;
-}
 
 /// Whether fragments of any shader of the module may be discarded, or turned into helpers.
 pub fn discards(words: &[u32]) -> bool {
