@@ -20,7 +20,7 @@ pub(super) struct Sample {
     pub(super) at_s: f32,
     /// Natural logarithm of nanoseconds.
     pub(super) cost: f32,
-    /// Natural logarithm of the pixels, in those of the first frame.
+    /// Natural logarithm of the pixels, relative to the first frame.
     pub(super) pixels: f32,
 }
 
@@ -108,8 +108,8 @@ impl Comparison {
     }
 }
 
-/// Whether the pixels follow the technique: they differ between on and off, and changed accordingly at every switch, of which there are two or
-/// more. `means`: mean pixels of each segment.
+/// Whether the pixels follow the technique: a difference between on and off, and a change in its direction at every switch, two or more.
+/// `means`: mean pixels of each segment.
 fn follows(means: &[f64], begins_on: bool, difference: &Estimate) -> bool {
     let mut changes = means.windows(2).enumerate().map(|(at, pair)| {
         let turned_off = begins_on == at.is_multiple_of(2);
@@ -184,7 +184,7 @@ mod tests {
             prop_assert_ne!(comparison.verdict(STRICT), Verdict::Saves);
         }
 
-        /// A constant resolution leaves the estimate of the costs as it is.
+        /// A constant resolution does not change the estimate of the costs.
         #[test]
         fn a_constant_resolution_leaves_costs_alone(change in -0.3f64..0.3) {
             let comparison = compare(4, |_, is_on| (on(is_on, change), 0.0));

@@ -51,7 +51,7 @@ impl EyePasses {
             has_depth: pass.depth.is_some(),
             is_shown: first.swapchain.is_some(),
         });
-        // A pass that only clears has the whole target, which says nothing of the resolution.
+        // The region of a pass without draws is the whole target, regardless of the resolution.
         let draws = pass.draws.as_ref().is_none_or(|draws| draws.quads + draws.meshes > 0);
         let pixels = if draws { pass.region[2].saturating_mul(pass.region[3]) } else { 0 };
         let vertices = pass.draws.as_ref().map_or(0, |draws| draws.vertices);

@@ -25,7 +25,8 @@ pub fn unpack_release() {
 }
 
 /// Unpacks sid's drivers to `target/drivers/sid`, with its loaders, validation and C library: the newest Mesa, and drivers that releases
-/// leave out. Beside them DXVK for Linux programs, with its window library and a compiler of shaders, and Qt Quick 3D XR. A failure is printed, and is not an error.
+/// leave out. Beside them DXVK for Linux programs, with its window library and a compiler of shaders, and Qt
+/// Quick 3D XR. A failure is printed, and is not an error.
 fn unpack_sid() {
     let packages = &[
         "libdxvk-d3d11-0",

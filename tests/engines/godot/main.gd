@@ -1,8 +1,8 @@
 extends Node3D
-## Runs the scene in OpenXR and says what its frames cost.
+## Runs the scene in OpenXR and prints the cost of its frames.
 ##
 ## Arguments behind `--`: `msaa=0|2|4`, `head=still|moving`, `scene=full|light|flat`, `warm=N` and `settle=S` (frames and seconds before the measurement), `frames=N` (of a
-## round), `rounds=N`. Where it cannot go on it says why and quits; `run.sh` ends it after an error of the script.
+## round), `rounds=N`. Where it cannot go on, it prints the reason and quits; `run.sh` ends it after an error of the script.
 ## Each round prints what a frame of it cost, and the CPU time of the process at its start and end, in milliseconds. Everything moves by the
 ## number of the frame, counted anew from the first round: two runs show the same pictures.
 

@@ -187,7 +187,7 @@ impl Engine {
 const MOBILE: Program = Program::Godot("mobile");
 const FORWARD_PLUS: Program = Program::Godot("forward_plus");
 
-/// Qt as it is without settings.
+/// Qt with its default settings.
 const QT: Program = Program::Qt { is_multiview: true, submits_depth: false, has_effects: false };
 
 /// The layer in a run.

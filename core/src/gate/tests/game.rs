@@ -93,7 +93,7 @@ impl Game {
 struct Running {
     game: Game,
     simulation: Simulation,
-    /// Pixels, in those of scale 1.
+    /// Pixels, relative to scale 1.
     scale: f64,
     /// Begin of the interval of [`Control`], nanoseconds, and its costs: their sum, in budgets, and their number.
     interval: (i64, f64, u32),

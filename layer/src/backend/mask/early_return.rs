@@ -62,7 +62,7 @@ const VERSION_1_3: u32 = 0x0001_0300;
 const VERSION_1_4: u32 = 0x0001_0400;
 const CAPABILITY_MULTI_VIEW: u32 = 4439;
 
-/// The extension that has this capability, of which SPIR-V 1.3 is a superset.
+/// The extension with this capability; SPIR-V 1.3 includes it.
 const MULTI_VIEW_EXTENSION: &CStr = c"SPV_KHR_multiview";
 
 /// Whether fragments of any shader of the module may be discarded, or turned into helpers.
