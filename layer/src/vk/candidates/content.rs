@@ -30,14 +30,54 @@ pub struct Content {
     stale: [StaleTiles; 2],
     /// The queue that it is used on.
     queue: vk::Queue,
-    /// Whether several queues use it, so that it cannot be written in the order of one.
-    is_shared: bool,
+    sharing: Sharing,
     /// The last frame with a pass, and whether nothing fills coarse tiles after one of that frame.
     unfilled: (u64, bool),
     /// Whether `source` is on the GPU, or on its way.
     is_uploaded: bool,
     /// The source of the last map on the GPU.
     source: MapSource,
+}
+
+/// Use of a map by several queues, so that it cannot be written in the order of one.
+///
+/// It ends with enough frames of one queue. Writes of the map are then in order with the last reads by another queue: the application orders its
+/// own passes to the target, so that this queue's passes since then began after those reads, and writes of the map wait for these passes.
+///
+/// Each time that it begins, one write is in the order of one queue only: the map becomes 1x1, beside passes of the other queue that may still read
+/// it. So each further time lasts twice as long as the one before.
+#[derive(Debug, Default)]
+struct Sharing {
+    /// The last frame in which the map was used on another queue than before, while it lasts.
+    at: Option<u64>,
+    /// Number of times that it began.
+    times: u32,
+}
+
+/// Frames of one queue after which the first sharing ends.
+const SHARED: u64 = 120;
+
+impl Sharing {
+    /// Takes a use in a frame, on the queue of the last use or on another one. Returns whether sharing began or ended.
+    fn note(&mut self, frame: u64, is_other: bool) -> bool {
+        let was_shared = self.at.is_some();
+        if is_other {
+            self.at = Some(frame);
+            self.times += u32::from(!was_shared);
+        } else {
+            self.at = self.at.filter(|at| frame < at.saturating_add(self.lasts()));
+        }
+        self.at.is_some() != was_shared
+    }
+
+    /// Frames of one queue after which it ends.
+    fn lasts(&self) -> u64 {
+        SHARED.saturating_mul(1 << self.times.saturating_sub(1).min(32))
+    }
+
+    fn is_on(&self) -> bool {
+        self.at.is_some()
+    }
 }
 
 /// The source of a map.
@@ -78,14 +118,15 @@ impl Content {
 
     /// Takes a pass that is submitted to `queue` in frame number `frame`, and shows these parts of the area.
     pub fn note(&mut self, queue: vk::Queue, frame: u64, area: [u32; 4], parts: &[Part]) {
-        if self.queue == vk::Queue::null() {
-            self.queue = queue;
-        } else if self.queue != queue && !self.is_shared {
-            self.is_shared = true;
+        let last = std::mem::replace(&mut self.queue, queue);
+        if self.sharing.note(frame, last != vk::Queue::null() && last != queue) {
             self.is_changed = true;
-            tracing::info!(
-                "render passes on several queues draw to one target, which stays at 1x1 from now on"
-            );
+            if self.sharing.is_on() {
+                let frames = self.sharing.lasts();
+                tracing::info!(
+                    "render passes on several queues draw to one target: it stays at 1x1 until one queue alone has drawn to it for {frames} frames"
+                );
+            }
         }
         let before = self.uses.len();
         self.uses.retain(|used| {
@@ -107,7 +148,7 @@ impl Content {
 
     /// Whether passes draw to the target that get the plan's rates.
     pub fn shows_scene(&self) -> bool {
-        !self.is_shared && self.uses.iter().any(|used| !used.parts.is_empty())
+        !self.sharing.is_on() && self.uses.iter().any(|used| !used.parts.is_empty())
     }
 
     /// Whether the map has to be written, from plan number `plan`.
@@ -117,8 +158,8 @@ impl Content {
         }
         let has_parts = self.uses.iter().any(|used| !used.parts.is_empty());
         let is_outdated = self.is_changed || (has_parts && self.plan < plan);
-        let is_needed = match self.is_shared {
-            // A map for the last gaze would stay for ever.
+        let is_needed = match self.sharing.is_on() {
+            // A map for the last gaze would stay.
             true => self.is_coarse,
             false => is_outdated && (has_parts || self.is_coarse),
         };
@@ -137,7 +178,7 @@ impl Content {
         }
         self.was_initialised = std::mem::replace(&mut self.is_initialised, true);
         self.is_changed = false;
-        self.is_coarse = !self.is_shared && self.uses.iter().any(|used| !used.parts.is_empty());
+        self.is_coarse = !self.sharing.is_on() && self.uses.iter().any(|used| !used.parts.is_empty());
         self.plan = plan;
     }
 
@@ -198,7 +239,7 @@ impl Content {
     /// All uses as one: the area around all render areas, and the parts as fractions of it. Where a pass draws that shows
     /// nothing known, nothing is shown.
     pub fn whole(&self) -> ([u32; 4], Parts) {
-        let is_known = self.is_known() && !self.is_shared;
+        let is_known = self.is_known() && !self.sharing.is_on();
         let (Some(area), true) = (self.uses.iter().map(|used| used.area).reduce(around), is_known) else {
             return ([0; 4], Parts::new());
         };

@@ -136,6 +136,34 @@ fn a_target_on_two_queues_is_written_once_more_to_shade_all() {
     assert_eq!((content.need(2), content.has_stale_tiles()), (Need::None, false));
 }
 
+/// As while a game loads on a queue of its own. A target that changes its queue again and again stays at 1x1 for longer each time.
+#[test]
+fn a_target_on_one_queue_again_is_shaded_coarsely_again() {
+    let mut content = Content::initialised();
+    let mut frames = 1..;
+    let mut next = |queue: u64| {
+        let frame = frames.next().unwrap();
+        content.note(vk::Queue::from_raw(queue), frame, AREA, &full());
+        let need = content.need(frame);
+        uploaded(&mut content, frame);
+        (need, content.shows_scene())
+    };
+    assert_eq!([next(QUEUE), next(QUEUE)], [(Need::Upload, true); 2]);
+    for frames in [120, 480] {
+        assert_eq!(next(2), (Need::Upload, false), "1x1 now");
+        for _ in 0..10 {
+            assert_eq!([next(QUEUE), next(2)], [(Need::None, false); 2], "by turns");
+        }
+        for frame in 1..frames {
+            assert_eq!(next(2), (Need::None, false), "frame {frame} of one queue");
+        }
+        assert_eq!([next(2), next(2)], [(Need::Upload, true); 2], "whichever queue it is");
+        assert_eq!(next(QUEUE), (Need::Upload, false));
+        let ended = (0..2 * frames).find(|_| next(QUEUE).1);
+        assert_eq!(ended, Some(2 * frames - 1));
+    }
+}
+
 #[test]
 fn an_unchanged_map_is_not_uploaded() {
     let mut content = Content::initialised();
