@@ -13,6 +13,9 @@ use std::sync::Arc;
 /// the limit bounds its time: 4096 passes take some 10 ms in all, and engines have a few hundred in a frame.
 const MOST_EVENTS: usize = 4096;
 
+/// From this number of events on, transfers are left out: verdicts on later passes depend on earlier frames and on the order of passes alone.
+const MOST_TRANSFERS: usize = 3072;
+
 /// Frames by which applications record ahead of the one that they submit.
 const AHEAD: u64 = 2;
 
@@ -27,6 +30,8 @@ pub struct Log {
     rest: Rest,
     /// Whether passes were submitted in the current frame whose commands were not tracked.
     is_incomplete: bool,
+    /// Whether a frame had too many events, and the log has a line on it.
+    was_full: bool,
     /// Passes that got the plan's rates, in the current frame and in the last.
     with_rates: [u32; 2],
     /// Passes that were recognised as an eye buffer, in the current frame.
@@ -130,15 +135,22 @@ impl Log {
     }
 
     /// Takes a submitted event. Returns the verdict on a pass that draws to a candidate; on any pass if tests ask for that. `None` for any event
-    /// once there are too many, and nothing is learned from them.
+    /// once there are too many. Nothing is learned from a frame with too many passes or transfers, because the rest may change any finding: a
+    /// mirror may follow, or the copy that shows a picture.
     pub fn push<C: MapContent>(
         &mut self,
         objects: &Objects,
         event: &Event,
         candidate: Option<&Arc<C>>,
     ) -> Option<Result<Match, Unmatched>> {
-        if self.events.len() >= MOST_EVENTS {
+        let most = if matches!(event, Event::Pass(_)) { MOST_EVENTS } else { MOST_TRANSFERS };
+        if self.events.len() >= most {
             self.is_incomplete = true;
+            if !std::mem::replace(&mut self.was_full, true) {
+                tracing::warn!(
+                    "more than {most} render passes and copies in one frame: recognition does not learn from such frames"
+                );
+            }
             return None;
         }
         let is_told = self.notes.is_wanted();
@@ -194,7 +206,7 @@ impl Log {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pass_detection::{ImageDescription, ImageKey, PassFacts, Target};
+    use crate::pass_detection::{ImageDescription, ImageKey, PassFacts, Target, Transfer, TransferKind};
     use ash::vk;
     use smallvec::smallvec;
 
@@ -252,6 +264,40 @@ mod tests {
         assert!(log.push(&objects, &event, Some(&candidate)).is_none() && !log.learns());
         log.begin_next(&objects);
         assert!(log.push(&objects, &event, Some(&candidate)).is_some() && log.learns());
+    }
+
+    /// An application that streams textures keeps the rates of its scene, but the frame is no evidence.
+    #[test]
+    fn passes_after_too_many_copies_are_still_recognised() {
+        struct Unread;
+        impl MapContent for Unread {
+            fn read(&self, _: &mut dyn FnMut(crate::backend::MapSize, &[u8])) {}
+        }
+        let (mut log, objects) = (Log::default(), Objects::default());
+        let target = |image| Target { image: ImageKey(image), level: 0, base_layer: 0, layers: 1 };
+        let rect = [0, 0, 64, 64];
+        let transfer = Event::Transfer(Transfer {
+            kind: TransferKind::Copy,
+            from: target(2),
+            from_rect: rect,
+            to: target(3),
+            to_rect: rect,
+        });
+        let candidate = Arc::new(Unread);
+        for _ in 0..MOST_TRANSFERS {
+            assert!(log.push(&objects, &transfer, None::<&Arc<Unread>>).is_none());
+        }
+        assert!(log.learns());
+        for _ in 0..3 * MOST_EVENTS {
+            log.push(&objects, &transfer, None::<&Arc<Unread>>);
+        }
+        assert!(!log.learns());
+        for _ in MOST_TRANSFERS..MOST_EVENTS {
+            assert!(log.push(&objects, &Event::Pass(pass()), Some(&candidate)).is_some());
+        }
+        assert!(log.push(&objects, &Event::Pass(pass()), Some(&candidate)).is_none());
+        log.begin_next(&objects);
+        assert!(log.learns());
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! Copies, blits and resolves between images.
 
+mod logged;
 mod region;
 
 use super::{Buffer, timed, with_buffer};
 use crate::abi::copies::slice;
-use crate::pass_detection::{Event, Transfer, TransferKind};
+use crate::pass_detection::{Transfer, TransferKind};
 use ash::vk;
 use region::Region;
 
@@ -86,15 +87,20 @@ fn note(buffer: &Buffer, kind: TransferKind, from: vk::Image, to: vk::Image, reg
         return;
     }
     let (Some(from), Some(to)) = (objects.image(from), objects.image(to)) else { return };
+    if logged::never_holds_picture(&from) || logged::never_holds_picture(&to) {
+        return;
+    }
     let mut recorded = buffer.recorded();
     for region in regions {
         let ends = region.ends();
-        recorded.events.push(Event::Transfer(Transfer {
+        let transfer = Transfer {
             kind,
             from: ends.from.target(&from.description),
             from_rect: ends.from.rect,
             to: ends.to.target(&to.description),
             to_rect: ends.to.rect,
-        }));
+        };
+        let are_textures = logged::is_texture(&from) && logged::is_texture(&to);
+        logged::add(&mut recorded.events, transfer, are_textures);
     }
 }
