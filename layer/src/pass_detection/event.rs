@@ -89,8 +89,8 @@ impl Pass {
 /// Greatest difference between equal aspects, pixels: sizes are often rounded to a multiple of 8.
 const ROUNDING: f32 = 8.0;
 
-/// Least scale of dynamic resolution: a quarter of the pixels.
-const LEAST_SCALE: f32 = 0.5;
+/// Least scale of the picture in a target of a fixed size: upscalers render a third per axis in their fastest mode.
+const LEAST_SCALE: f32 = 0.3;
 
 /// The draws of a pass.
 ///
@@ -229,7 +229,14 @@ mod tests {
             };
             pass.picture_area()
         };
-        for scaled in [[0, 0, 1000, 1100], [0, 0, 800, 880], [200, 220, 800, 880], [0, 0, 504, 552]] {
+        for scaled in [
+            [0, 0, 1000, 1100],
+            [0, 0, 800, 880],
+            [200, 220, 800, 880],
+            [0, 0, 504, 552],
+            [0, 0, 496, 544],
+            [0, 0, 328, 360],
+        ] {
             assert_eq!(of(scaled), scaled);
         }
         // An interface, an inset, one of two eyes, a thumbnail, nothing.

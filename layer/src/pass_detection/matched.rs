@@ -91,7 +91,7 @@ pub enum Unmatched {
     Inset,
     /// Nothing is known of the image.
     UnknownImage,
-    /// Smaller than half of the eye buffer.
+    /// Smaller than half of the eye buffer; or than a third, where its content is known to become the eye buffer.
     Small,
     /// Larger than twice the eye buffer.
     Large,

@@ -192,7 +192,9 @@ impl Recognition {
         role: Role,
         description: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) -> Result<Match, Unmatched> {
-        let parts = candidate::looks(pass, description, &self.swapchains)?;
+        // The role of an eye that is too small to be one by its looks is proven.
+        let least = if role == Role::Eye { candidate::LEAST_PROVEN } else { candidate::LEAST };
+        let parts = candidate::looks(pass, description, &self.swapchains, least)?;
         match role {
             Role::Eye if pass.colors.iter().any(|target| self.memory.precedes(target.image)) => {
                 return Ok(Match { parts, how: How::Shape });

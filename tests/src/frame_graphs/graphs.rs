@@ -16,6 +16,8 @@ pub struct Graph {
     pub arrangement: Arrangement,
     /// Whether the resolution changes.
     pub is_dynamic: bool,
+    /// Side of the scene's targets where it does not, in sides of the eye buffer.
+    side: f32,
     /// Whether no descriptors are known.
     pub is_bindless: bool,
     /// Engines with their textures, each for [`Graph::FRAMES`] frames.
@@ -34,7 +36,7 @@ impl Graph {
     /// Side of the scene's targets in a frame, in sides of the eye buffer. Dynamic resolution takes a step each third frame.
     pub fn scale(&self, frame: u64) -> f32 {
         let steps = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.55, 0.65, 0.75, 0.85, 0.95];
-        if self.is_dynamic { steps[(frame / 3) as usize % steps.len()] } else { 1.0 }
+        if self.is_dynamic { steps[(frame / 3) as usize % steps.len()] } else { self.side }
     }
 
     /// Draws a frame.
@@ -51,11 +53,16 @@ impl Graph {
         arrangement: Arrangement,
         scenes: &'static [(Engine, &'static [Texture])],
     ) -> Self {
-        Self { name, eye, arrangement, is_dynamic: false, is_bindless: false, scenes }
+        Self { name, eye, arrangement, is_dynamic: false, side: 1.0, is_bindless: false, scenes }
     }
 
     const fn dynamic(self) -> Self {
         Self { is_dynamic: true, ..self }
+    }
+
+    /// A third of the sides, as upscalers render in their fastest mode.
+    const fn third(self) -> Self {
+        Self { side: 1.0 / 3.0, ..self }
     }
 
     const fn bindless(self) -> Self {
@@ -227,6 +234,25 @@ pub const GRAPHS: &[Graph] = &[
     )
     .bindless(),
     Graph::new("dxvk-pooled", TALL, Separate, &[(compatibility::dxvk_pooled, &[Mirror(0.75), Shadow(2048)])]),
+    Graph::new("native-visor-third", TALL, Separate, &[(native::visor, &[Minimap(512), Shadow(4096)])])
+        .third(),
+    Graph::new("urp-multi-pass-third", TALL, Separate, &[(unity::urp_multi_pass, MIRRORS)]).third(),
+    Graph::new(
+        "unreal-deferred-third",
+        TALL,
+        DoubleWide,
+        &[(unreal::deferred, &[Shadow(4096), Screen(1024)])],
+    )
+    .third(),
+    Graph::new(
+        "unreal-temporal-compute-third",
+        TALL,
+        DoubleWide,
+        &[(unreal::temporal_compute, &[Shadow(4096), Planar(1024), Screen(1024)])],
+    )
+    .third(),
+    Graph::new("dxvk-deferred-third", SQUARE, Separate, &[(compatibility::dxvk_deferred, ALL_SQUARE)])
+        .third(),
     // The same where DXVK's descriptors are in heaps or buffers, which is the default since 2026.
     Graph::new("dxvk-forward-heaps", TALL, Separate, &[(compatibility::dxvk_forward, MIRRORS)]).bindless(),
     Graph::new("dxvk-deferred-heaps", SQUARE, Separate, &[(compatibility::dxvk_deferred, ALL_SQUARE)])

@@ -18,6 +18,8 @@ pub struct RandomGraph {
     is_array: bool,
     is_bindless: bool,
     is_dynamic: bool,
+    /// Side of the scene's targets without dynamic resolution, in sides of the eye buffer.
+    side: f32,
     cameras: Vec<Camera>,
     scene: Scene,
     /// Full-screen passes after the scene, each with its side in sides of the scene's targets.
@@ -104,6 +106,7 @@ impl RandomGraph {
             is_array: rng.bool(),
             is_bindless: rng.u8(..4) == 0,
             is_dynamic: end != End::Straight && rng.u8(..3) == 0,
+            side: 1.0,
             cameras,
             scene: scenes[rng.usize(..scenes.len())],
             post: (0..rng.usize(..4)).map(|_| [1.0, 1.0, 0.5, 0.25][rng.usize(..4)]).collect(),
@@ -112,13 +115,18 @@ impl RandomGraph {
         }
     }
 
+    /// The same with a scene of a third of the sides, which is upscaled, at all times.
+    pub fn third(self) -> Self {
+        Self { side: 1.0 / 3.0, is_dynamic: false, ..self }
+    }
+
     /// Draws all frames of it.
     pub fn run(&self) -> Score {
         let mut world = World::default();
         let arrangement = if self.is_array { Arrangement::Array } else { Arrangement::Separate };
         for number in 0..FRAMES {
             let step = [1.0, 0.9, 0.75, 0.6][(number / 2) as usize % 4];
-            let scale = if self.is_dynamic { step } else { 1.0 };
+            let scale = if self.is_dynamic { step } else { self.side };
             world.frame(self.eye, arrangement, scale, self.is_bindless, |frame| self.draw(frame));
         }
         let mut score = Score::default();

@@ -6,7 +6,9 @@ use crate::pass_detection::{Eyes, ImageDescription, ImageKey, Orientation, Part,
 use ash::vk;
 
 /// The least side of a pass that may be the scene, in sides of the picture that is shown.
-const LEAST: f32 = 0.5;
+pub(super) const LEAST: f32 = 0.5;
+/// The same of a pass whose content is known to become that picture: upscalers render a third per axis in their fastest mode.
+pub(super) const LEAST_PROVEN: f32 = 0.3;
 /// The greatest.
 const MOST: f32 = 2.0;
 
@@ -14,7 +16,7 @@ const MOST: f32 = 2.0;
 const ROUNDING: f32 = 8.0;
 
 /// The parts of a pass that has the aspect of an eye buffer (a single one, two beside each other, an array of two) and
-/// is about as large.
+/// is about as large: at least `least` times its sides.
 ///
 /// The vertical orientation is not known from this. The eye is known only with multiview, whose views have OpenXR's order, and for pictures
 /// beside each other that are also shown beside each other.
@@ -22,6 +24,7 @@ pub(super) fn looks(
     pass: &Pass,
     description: impl Fn(ImageKey) -> Option<ImageDescription>,
     swapchains: &Swapchains,
+    least: f32,
 ) -> Result<Parts, Unmatched> {
     let first = pass.colors.first().ok_or(Unmatched::NoColour)?;
     let mut formats = pass.colors.iter().filter_map(|target| Some(description(target.image)?.format));
@@ -36,7 +39,7 @@ pub(super) fn looks(
         rect: [x, 0.0, width, 1.0],
         orientation: Orientation::Unknown,
     };
-    match (arrangement(size, swapchains)?, layers) {
+    match (arrangement(size, swapchains, least)?, layers) {
         (Arrangement::Single, 1) => Ok([part(Eyes::Finer, 0, 0.0, 1.0)].into_iter().collect()),
         (Arrangement::Single, 2) => {
             let is_multiview = pass.view_mask == 0b11;
@@ -60,12 +63,12 @@ enum Arrangement {
 }
 
 /// The arrangement in which pictures as they are shown fit `size`. Of reasons why none does, a fitting aspect counts first.
-fn arrangement(size: [f32; 2], swapchains: &Swapchains) -> Result<Arrangement, Unmatched> {
+fn arrangement(size: [f32; 2], swapchains: &Swapchains, least: f32) -> Result<Arrangement, Unmatched> {
     let mut reason = Unmatched::New;
     for (picture, is_filled) in swapchains.pictures() {
         let [_, _, width, height] = picture.rect;
         for (arrangement, width) in [(Arrangement::Single, width), (Arrangement::DoubleWide, width * 2.0)] {
-            match fit(size, [width, height]) {
+            match fit(size, [width, height], least) {
                 Ok(()) if is_filled => return Ok(arrangement),
                 Ok(()) => reason = Unmatched::Viewport,
                 Err(Unmatched::Aspect) if reason != Unmatched::New => {}
@@ -79,18 +82,21 @@ fn arrangement(size: [f32; 2], swapchains: &Swapchains) -> Result<Arrangement, U
 
 /// Whether a render area fits both eyes beside each other, and no eye alone.
 pub(super) fn is_double_wide(size: [f32; 2], swapchains: &Swapchains) -> bool {
-    arrangement(size, swapchains) == Ok(Arrangement::DoubleWide)
+    arrangement(size, swapchains, LEAST_PROVEN) == Ok(Arrangement::DoubleWide)
 }
 
-fn fit(size: [f32; 2], picture: [f32; 2]) -> Result<(), Unmatched> {
+/// Whether a render area has the aspect of an eye, or of both beside each other, and any size that the scene may have.
+pub(super) fn fits(area: [u32; 2], swapchains: &Swapchains) -> bool {
+    arrangement(area.map(|side| side as f32), swapchains, LEAST_PROVEN).is_ok()
+}
+
+fn fit(size: [f32; 2], picture: [f32; 2], least: f32) -> Result<(), Unmatched> {
     let scale = [size[0] / picture[0], size[1] / picture[1]];
     let same_aspect = (scale[0] / scale[1] - 1.0).abs() * size[0].min(size[1]) <= ROUNDING;
     if !same_aspect {
         return Err(Unmatched::Aspect);
     }
-    // Half of an odd size is rounded either way.
-    let least = |axis: usize| (LEAST * picture[axis]).floor();
-    if size[0] < least(0) || size[1] < least(1) {
+    if (0..2).any(|axis: usize| size[axis] + ROUNDING <= least * picture[axis]) {
         return Err(Unmatched::Small);
     }
     if scale[0] > MOST || scale[1] > MOST { Err(Unmatched::Large) } else { Ok(()) }

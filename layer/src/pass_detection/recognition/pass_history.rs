@@ -68,8 +68,11 @@ impl PassSignature {
     fn is_resized(&self, other: &Self) -> bool {
         let scale = [0, 1].map(|axis: usize| self.extent[axis] as f32 / other.extent[axis] as f32);
         let short = other.extent[0].min(other.extent[1]) as f32;
+        // Half of a size, with either of them rounded to a multiple of 8.
+        let is_half_at_least = |one: u32, other: u32| 2 * u64::from(one) + 16 >= u64::from(other);
         *self == Self { extent: self.extent, ..*other }
-            && scale.iter().all(|scale| (0.5..=2.0).contains(scale))
+            && (0..2).all(|axis| is_half_at_least(self.extent[axis], other.extent[axis]))
+            && (0..2).all(|axis| is_half_at_least(other.extent[axis], self.extent[axis]))
             && (scale[0] / scale[1] - 1.0).abs() * short <= 16.0
     }
 }

@@ -10,11 +10,13 @@ mod feedback;
 mod group;
 mod kind;
 mod known;
+mod only;
 mod remembered;
 mod screens;
 
+use super::candidate;
 use super::feedback::{images_read, is_picture};
-use crate::pass_detection::{Draws, Event, ImageKey, Pass, Reads};
+use crate::pass_detection::{Event, ImageKey, Pass, Reads};
 use group::{Group, Groups};
 use kind::Kind;
 pub(super) use known::Known;
@@ -148,6 +150,7 @@ impl Provenance {
     /// Finds the roles of passes whose kinds are known.
     fn walk(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Findings {
         self.find_sampled(events, known);
+        self.find_sole(events, known);
         let unknown_reader = self.find_eyes(events, known);
         let candidates = unknown_reader.map_or(0, |reader| self.find_only(reader, events, known, is_apart));
         if self.steps >= MOST_STEPS {
@@ -241,6 +244,7 @@ impl Provenance {
                     let group = &mut self.groups.all[self.nodes[index].group];
                     group.is_eye = true;
                     group.is_direct = true;
+                    group.is_proven = true;
                     // Without draws that are followed, it may be a full-screen pass that loads depth.
                     if pass.draws.is_none() && !pass.facts.clears_depth {
                         unknown_reader = Some(index);
@@ -257,15 +261,15 @@ impl Provenance {
                         let group = &mut self.groups.all[source];
                         group.is_ambiguous |= is_over && !group.is_eye;
                         group.is_eye |= !is_over;
+                        group.is_proven |= !is_over && !has_unknown && group.is_sole;
                     }
                 }
             }
         }
         let is_open = |group: &Group| !group.is_eye && !group.is_ambiguous;
-        let may_be_eye = |group: &Group| group.looks_like_eye(events, known);
         if unknown_reader.is_none()
             && self.groups.all.iter().all(is_open)
-            && self.groups.all.iter().any(may_be_eye)
+            && self.groups.all.iter().any(|group| group.looks_like_eye(candidate::LEAST, events, known))
         {
             // Nothing says where the picture comes from: compute or a copy made an image that the last pass reads.
             let is_last = |node: &Node| node.writes_picture && matches!(node.kind, Kind::Screen { .. });
@@ -358,8 +362,13 @@ impl Provenance {
             is_aligned(group) && read.iter().filter(is_drawn).count() > 1
         };
         let may_be_lit = sources.iter().any(|source| is_lit(*source));
-        let looks = |group: usize| groups[group].looks_like_eye(events, known);
-        prefer(sources, &|group| is_aligned(group) || (!may_be_lit && looks(group)));
+        let looks = |group: usize, least: f32| groups[group].looks_like_eye(least, events, known);
+        let is_like = |group: usize, least: f32| is_aligned(group) || (!may_be_lit && looks(group, least));
+        let least = match sources.iter().any(|group| is_like(*group, candidate::LEAST)) {
+            true => candidate::LEAST,
+            false => candidate::LEAST_PROVEN,
+        };
+        prefer(sources, &|group| is_like(group, least));
         let target = pass.colors.first().map(|target| target.image);
         let draws_on = |index: &usize| matches!(&events[*index], Event::Pass(other) if other.colors.first().map(|first| first.image) == target);
         prefer(sources, &|group| groups[group].passes.iter().any(&draws_on));
@@ -368,38 +377,6 @@ impl Provenance {
                 self.groups.all[source].is_ambiguous = true;
             }
         }
-    }
-
-    /// Finds the cameras of a reader that may show anything: all cameras before it that look like an eye, if they are no more than eyes.
-    /// Returns their number.
-    fn find_only(&mut self, reader: usize, events: &[Event], known: &Known<'_>, is_apart: bool) -> usize {
-        let is_before = |group: &Group| (group.passes[0] < reader) != is_apart;
-        let may_be = |group: &Group| {
-            let is_found = group.is_eye || (is_before(group) && !group.is_sampled);
-            is_found && group.looks_like_eye(events, known)
-        };
-        let mut found: Sources =
-            (0..self.groups.all.len()).filter(|index| may_be(&self.groups.all[*index])).collect();
-        let has_depth = found.iter().any(|index| self.groups.all[*index].has_depth);
-        found.retain(|index| self.groups.all[*index].has_depth == has_depth);
-        let Some(first) = found.first().map(|index| self.groups.all[*index].shape()) else { return 0 };
-        let eyes = if first.holds_both(known) { 1 } else { known.swapchains.count_pictures().clamp(1, 2) };
-        self.has_eyes = found.len() >= eyes;
-        // Where the reads are known, one camera for two eyes is a shadow map or a panel, beside pictures that no event names.
-        let may_read_more = |draws: &Draws| {
-            [&draws.read_by_quads, &draws.read_by_meshes].iter().any(|reads| reads.may_read_more)
-        };
-        let is_known =
-            matches!(&events[reader], Event::Pass(Pass { draws: Some(draws), .. }) if !may_read_more(draws));
-        let is_unique = found.len() <= eyes
-            && (self.has_eyes || !is_known)
-            && found.iter().all(|index| self.groups.all[*index].shape() == first);
-        for index in &found {
-            let group = &mut self.groups.all[*index];
-            group.is_ambiguous |= !is_unique && !group.is_eye;
-            group.is_eye |= is_unique;
-        }
-        found.len()
     }
 
     /// Whether a camera of these groups draws an image.

@@ -28,6 +28,10 @@ pub(super) struct Group {
     pub(super) is_sampled: bool,
     /// Its content becomes the picture.
     pub(super) is_eye: bool,
+    /// That is known, and not only likely from its looks.
+    pub(super) is_proven: bool,
+    /// No camera of another shape can be the scene.
+    pub(super) is_sole: bool,
     /// It draws the picture itself.
     pub(super) is_direct: bool,
     /// It, or another.
@@ -100,6 +104,8 @@ impl Groups {
                 has_depth: pass.depth.is_some(),
                 is_sampled: false,
                 is_eye: false,
+                is_proven: false,
+                is_sole: false,
                 is_direct: false,
                 is_ambiguous: false,
             });
@@ -147,12 +153,11 @@ impl Group {
         Shape { area: self.area, layers: self.layers, has_depth: self.has_depth }
     }
 
-    /// Whether a pass of it looks like one that draws an eye.
-    pub(super) fn looks_like_eye(&self, events: &[Event], known: &Known<'_>) -> bool {
-        self.passes.iter().any(|index| {
-            let Event::Pass(pass) = &events[*index] else { return false };
-            candidate::looks(pass, |image| known.memory.description(image), known.swapchains).is_ok()
-        })
+    /// Whether a pass of it looks like one that draws an eye, with this least side in sides of the picture.
+    pub(super) fn looks_like_eye(&self, least: f32, events: &[Event], known: &Known<'_>) -> bool {
+        self.passes
+            .iter()
+            .any(|index| matches!(&events[*index], Event::Pass(pass) if known.looks(pass, least).is_ok()))
     }
 
     pub(super) fn role(&self) -> Role {

@@ -1,10 +1,11 @@
 //! Images, beyond the events of a frame.
 
+use super::super::Parts;
 use super::super::candidate;
 use super::super::memory::Memory;
 use super::super::projected::Swapchains;
 use super::area;
-use crate::pass_detection::{ImageKey, Pass};
+use crate::pass_detection::{ImageKey, Pass, Unmatched};
 
 /// Knowledge of images besides a frame's events.
 pub(in super::super) struct Known<'a> {
@@ -28,6 +29,11 @@ impl Known<'_> {
             let holds_colours = candidate::holds_colours(image.format);
             image.extent == area(pass) || (holds_colours && is_large(0) && is_large(1))
         })
+    }
+
+    /// The verdict on a pass by its looks: see [`candidate::looks`].
+    pub(super) fn looks(&self, pass: &Pass, least: f32) -> Result<Parts, Unmatched> {
+        candidate::looks(pass, |image| self.memory.description(image), self.swapchains, least)
     }
 
     pub(super) fn writes_picture(&self, pass: &Pass) -> bool {

@@ -3,18 +3,22 @@
 use super::group::Group;
 use super::{Kind, Known, Node, Origins, Provenance, Role, Sources, area};
 use crate::pass_detection::recognition::candidate;
-use crate::pass_detection::{Event, ImageDescription, ImageKey, Pass};
+use crate::pass_detection::{Event, ImageDescription, ImageKey, Pass, Unmatched};
 use smallvec::SmallVec;
 
 impl Provenance {
     pub(super) fn set_roles(&mut self, events: &[Event], known: &Known<'_>) {
         for (index, event) in events.iter().enumerate() {
             let Event::Pass(pass) = event else { continue };
-            self.nodes[index].role = match self.nodes[index].kind {
+            let role = match self.nodes[index].kind {
                 Kind::Camera => self.groups.all[self.nodes[index].group].role(),
                 Kind::Screen { .. } => self.role_of_screen(index, pass, events, known),
                 Kind::Transfer | Kind::Other => Role::Unknown,
             };
+            let is_guess = role == Role::Eye
+                && known.looks(pass, candidate::LEAST) == Err(Unmatched::Small)
+                && !self.is_proven(index, pass);
+            self.nodes[index].role = if is_guess { Role::Unknown } else { role };
         }
     }
 
@@ -102,7 +106,9 @@ impl Provenance {
         events: &[Event],
         known: &Known<'_>,
     ) -> Role {
-        let may_be_eye = |group: &Group| group.role() == Role::Eye || group.looks_like_eye(events, known);
+        let may_be_eye = |group: &Group| {
+            group.role() == Role::Eye || group.looks_like_eye(candidate::LEAST, events, known)
+        };
         let is_off_screen = |group: &Group| !group.is_direct && group.passes[0] < index && may_be_eye(group);
         let reads = || pass.draws.iter().flat_map(|draws| [&draws.read_by_quads, &draws.read_by_meshes]);
         let images: SmallVec<[ImageKey; 16]> =
@@ -121,7 +127,9 @@ impl Provenance {
         if !has_unknown && !images.is_empty() && is_g_buffer(&images, events, known) {
             return Role::Unknown;
         }
-        let is_other = |group: &Group| group.role() != Role::Eye && group.looks_like_eye(events, known);
+        let is_other = |group: &Group| {
+            group.role() != Role::Eye && group.looks_like_eye(candidate::LEAST, events, known)
+        };
         let is_alone = || !self.groups.all.iter().any(is_other);
         let shades = has_unknown
             && !shows_one()

@@ -69,6 +69,7 @@ fn any_pass() -> impl Strategy<Value = Pass> {
     let area = prop_oneof![
         4 => Just([0, 0, 200, 240]),
         2 => Just([0, 0, 400, 240]),
+        1 => Just([0, 0, 68, 80]),
         1 => prop::array::uniform4(any::<u32>()),
         1 => prop::array::uniform4(0..300u32),
     ];

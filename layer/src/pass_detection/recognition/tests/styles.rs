@@ -10,6 +10,7 @@ mod profile;
 mod provenance;
 mod render_thread;
 mod resized;
+mod upscaled;
 
 use super::application::*;
 use crate::pass_detection::*;
