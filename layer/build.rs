@@ -10,8 +10,8 @@ use parafovea_core::kernels::change::ChangeParams;
 use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
 use parafovea_core::kernels::debug_view::DebugViewParams;
 use parafovea_core::kernels::decide::DecideParams;
-use parafovea_core::kernels::depth::DepthParams;
 use parafovea_core::kernels::mask::MaskParams;
+use parafovea_core::kernels::nearest::NearestParams;
 use parafovea_core::kernels::resolve::ResolveParams;
 use parafovea_core::kernels::samples::SampleParams;
 use parafovea_core::kernels::template::TemplateParams;
@@ -42,7 +42,7 @@ fn main() {
         declared::<MaskParams>(),
         declared::<SampleParams>(),
         declared::<TemplateParams>(),
-        declared::<DepthParams>(),
+        declared::<NearestParams>(),
         declared::<ComposeParams>(),
         declared::<ReuseParams>(),
         declared::<DebugViewParams>(),

@@ -7,7 +7,7 @@
 //!
 //! - The start and each new scene have one full trial, of three switches, and one more switch if the state changes at its end. The end
 //!   decides with a confidence of 97 %; without a decision the technique is off. After a trial without a decision but with a likely
-//!   saving, a second one follows after [`TRIAL_REST_NS`].
+//!   saving, in the cost alone or per pixel, a second one follows after [`TRIAL_REST_NS`].
 //! - Later trials are short controls of two switches, one per [`CONTROL_REST_NS`] with open eyes, or per
 //!   [`HIDDEN_REST_NS`] in saccades and blinks; only a confidence of 99.95 % changes the state.
 //! - After a trial without a decision, full trials continue in saccades and blinks alone, with rests of
@@ -27,6 +27,7 @@ mod comparison;
 mod estimate;
 mod evidence;
 mod frame;
+mod mode;
 mod running_trial;
 mod scenes;
 mod trial;
@@ -35,25 +36,14 @@ pub use both::{Gates, MeasuredFrame, Techniques};
 pub use estimate::{MARGIN, Verdict};
 pub use evidence::Evidence;
 pub use frame::GateFrame;
+pub use mode::GateMode;
 pub use scenes::SCENE_HOLD_NS;
 
 use crate::gaze::GazePhase;
-use estimate::Estimate;
+use comparison::Comparison;
 use running_trial::{RunningTrial, Step};
 use scenes::{Decision, Scenes};
 use trial::{Cost, RECENT, RecentCosts, Trial};
-
-/// Source of the decision.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum GateMode {
-    /// The gate, by the cost of frames.
-    #[default]
-    Auto,
-    /// Always on.
-    On,
-    /// Always off.
-    Off,
-}
 
 /// Longest segment of a full trial, nanoseconds: three of them, the frames ahead and the settling fit into 30 s at 2 Hz.
 pub const SEGMENT_NS: i64 = 8_000_000_000;
@@ -362,7 +352,7 @@ impl Gate {
             Step::End(_, Verdict::Unclear) if is_control => {
                 self.refused = if self.refused > 0 { self.refused.saturating_add(1) } else { 0 };
             }
-            Step::End(estimate, verdict) => self.decide(estimate, verdict),
+            Step::End(comparison, verdict) => self.decide(comparison, verdict),
             Step::GiveUp => {
                 self.full_trials_left = 0;
                 self.undecided = self.undecided.saturating_add(1);
@@ -376,17 +366,17 @@ impl Gate {
         }
     }
 
-    fn decide(&mut self, estimate: Option<Estimate>, verdict: Verdict) {
+    fn decide(&mut self, comparison: Option<Comparison>, verdict: Verdict) {
         self.is_kept_on = verdict == Verdict::Saves;
         self.refused = if verdict == Verdict::SavesNothing { self.refused.saturating_add(1) } else { 0 };
         self.undecided = if verdict == Verdict::Unclear { self.undecided.saturating_add(1) } else { 0 };
-        let is_promising = estimate.is_some_and(|estimate| estimate.is_promising());
+        let is_promising = comparison.is_some_and(|comparison| comparison.is_promising());
         self.full_trials_left = if is_promising && verdict == Verdict::Unclear {
             self.full_trials_left.saturating_sub(1)
         } else {
             0
         };
-        self.evidence = Evidence::new(estimate, verdict);
+        self.evidence = Evidence::new(comparison.map(|comparison| comparison.estimate()), verdict);
         self.scenes.decide(Decision { is_on: self.is_kept_on, evidence: self.evidence });
     }
 }

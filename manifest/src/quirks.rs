@@ -19,14 +19,35 @@ pub struct Quirk {
     pub doc: &'static str,
     /// `VkDriverId` of the drivers that have it.
     pub driver: u32,
-    /// Words, one of them in the device's name, such as `NAVI21`.
-    pub devices: &'static [&'static str],
+    /// Devices of that driver that have it.
+    pub devices: Devices,
     /// The first version of the driver without it (major, minor, patch); `None`: there is none yet.
     pub fixed_in: Option<[u32; 3]>,
     /// The layer's answer.
     pub effect: Effect,
     /// Source of the information.
     pub source: &'static str,
+}
+
+/// Devices of one driver, by words of their names, such as `NAVI21`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Devices {
+    /// With one of these.
+    Named(&'static [&'static str]),
+    /// Without any of these.
+    Others(&'static [&'static str]),
+}
+
+impl Devices {
+    fn include(self, name: &str) -> bool {
+        let has = |word: &&str| {
+            name.split(|at: char| !at.is_ascii_alphanumeric() && at != '_').any(|is| is == *word)
+        };
+        match self {
+            Self::Named(words) => words.iter().any(has),
+            Self::Others(words) => !words.iter().any(has),
+        }
+    }
 }
 
 /// The layer's answer to a quirk.
@@ -56,11 +77,8 @@ pub struct Driver<'a> {
 impl Quirk {
     /// Whether a driver has it.
     pub fn is_of(&self, driver: &Driver<'_>) -> bool {
-        let is_word = |word: &&str| {
-            driver.device.split(|at: char| !at.is_ascii_alphanumeric() && at != '_').any(|is| is == *word)
-        };
         self.driver == driver.id
-            && self.devices.iter().any(is_word)
+            && self.devices.include(driver.device)
             && self.fixed_in.is_none_or(|fixed| driver.version < fixed)
     }
 }
@@ -134,7 +152,7 @@ mod tests {
             let is_kebab = |at: char| at.is_ascii_lowercase() || at.is_ascii_digit() || at == '-';
             assert!(quirk.name.chars().all(is_kebab), "{}", quirk.name);
             assert!(QUIRKS[..index].iter().all(|other| other.name != quirk.name), "{}", quirk.name);
-            assert!(!quirk.source.is_empty() && !quirk.doc.is_empty() && !quirk.devices.is_empty());
+            assert!(!quirk.source.is_empty() && !quirk.doc.is_empty());
             if let Effect::MaxSamples(samples) = quirk.effect {
                 assert!(samples.is_power_of_two(), "{}", quirk.name);
             }
@@ -149,12 +167,28 @@ mod tests {
         assert_eq!(of("AMD Custom GPU 0405 (RADV VANGOGH)"), rdna2);
         assert_eq!(of("AMD Radeon RX 7900 XTX (RADV NAVI31)"), ["four-samples", "vkd3d-flicker"]);
         assert_eq!(of("AMD Radeon RX 5700 XT (RADV NAVI10)"), [""; 0]);
-        assert_eq!(of("AMD Radeon RX (RADV NAVI210)"), [""; 0]);
+        assert_eq!(of("AMD RADV SIENNA_CICHLID (ACO)"), rdna2);
+        assert_eq!(of("AMD RADV POLARIS10 (LLVM 11.0.0)"), [""; 0]);
         assert_eq!(
             names(6, "Intel(R) Arc(tm) A770 (RADV NAVI21)", [25, 0, 7], ""),
             [""; 0],
             "another driver"
         );
+    }
+
+    /// Names from after the table was written, and one that tells nothing.
+    #[test]
+    fn unknown_devices_count_as_rdna3_or_later() {
+        for device in [
+            "AMD Radeon RX (RADV GFX1250)",
+            "AMD Radeon RX 9070 XT (RADV GFX1201)",
+            "AMD Radeon RX (RADV NAVI210)",
+            "AMD Radeon",
+        ] {
+            assert_eq!(names(RADV, device, [25, 0, 7], ""), ["four-samples", "vkd3d-flicker"], "{device}");
+            assert_eq!(names(RADV, device, [27, 0, 0], ""), ["vkd3d-flicker"], "{device}");
+        }
+        assert_eq!(names(4, "Intel(R) Arc(tm) (RADV GFX1250)", [25, 0, 7], ""), [""; 0], "another driver");
     }
 
     #[test]

@@ -115,22 +115,29 @@ fn an_application_may_end_before_all_is_compiled() {
 /// Masks of multisampled depth have a pipeline of their own, and depth that is loaded has kernels.
 #[test]
 fn masks_of_all_kinds_of_depth_compile_nothing_on_the_applications_thread() {
-    // Seconds, however fast frames are: passes have masks once the kernels are compiled.
-    const FRAMES: u64 = 400;
     for style in ["msaa-resolve", "loaded-depth"] {
-        let cache = tempfile::tempdir().unwrap();
-        let frames = FRAMES.to_string();
-        let arguments = ["--style", style, "--size", "64", "--frames", &frames];
-        let application = Application::ours("parafovea-zoo", &arguments).unwrap();
-        let scenario = Scenario::new(FRAMES).sized(64, 64).gazing(-20.0, 0.0).in_real_time();
-        let run = Run::new(&application, &scenario)
-            .on("preset = \"balanced\"\n[rates]\ngate = \"on\"\n")
-            .compiling_in_background()
-            .env("XDG_CACHE_HOME", cache.path());
-        let outcome = run.faulted(None).finish().unwrap().expect_frames(FRAMES).unwrap();
-        let [on_applications, on_own] = made(&outcome);
-        assert!(outcome.log.contains(": masked"), "{style}: {}", outcome.log);
-        assert_eq!(on_applications, 0, "{style}");
-        assert!(on_own > 5, "{style}: fill, and depth: {on_own}");
+        // Passes have masks once the kernels are compiled, which takes longer on a busy machine.
+        let mut logs = [400, 1600, 6400].into_iter().map(|frames| with_masks(style, frames));
+        let found = logs.find(|(log, _)| log.contains(": masked"));
+        let (_, on_own) = found.unwrap_or_else(|| panic!("{style}: no pass is masked"));
+        // Five of the fill, two of texels that are copied.
+        assert!(on_own >= 7, "{style}: {on_own}");
     }
+}
+
+/// The log of a style with masks in real time, and the number of pipelines that the layer created on its own threads; there are none on the
+/// application's.
+fn with_masks(style: &str, frames: u64) -> (String, u64) {
+    let cache = tempfile::tempdir().unwrap();
+    let arguments = ["--style", style, "--size", "64", "--frames", &frames.to_string()];
+    let application = Application::ours("parafovea-zoo", &arguments).unwrap();
+    let scenario = Scenario::new(frames).sized(64, 64).gazing(-20.0, 0.0).in_real_time();
+    let run = Run::new(&application, &scenario)
+        .on("preset = \"balanced\"\n[rates]\ngate = \"on\"\n")
+        .compiling_in_background()
+        .env("XDG_CACHE_HOME", cache.path());
+    let outcome = run.faulted(None).finish().unwrap().expect_frames(frames).unwrap();
+    let [on_applications, on_own] = made(&outcome);
+    assert_eq!(on_applications, 0, "{style}");
+    (outcome.log, on_own)
 }

@@ -10,7 +10,7 @@
 //! Pixels that change for any other reason follow the technique only by chance; even then, a clearly higher cost is no saving. At a
 //! constant resolution both ends are the cost alone.
 
-use super::estimate::{Estimate, MARGIN, Point, STRICT, Verdict};
+use super::estimate::{Estimate, FINAL, MARGIN, Point, STRICT, Verdict};
 use super::trial::{MOST_POINTS, SEGMENTS};
 
 /// The cost and the resolution of one frame, or their means over a few.
@@ -99,6 +99,12 @@ impl Comparison {
     /// The smaller saving.
     pub(super) fn estimate(&self) -> Estimate {
         self.worse
+    }
+
+    /// Whether a further trial may find a saving: one is likely at an end of the shares, and the other end does not exclude it.
+    pub(super) fn is_promising(&self) -> bool {
+        let is_excluded = self.worse.verdict(FINAL) == Verdict::SavesNothing;
+        self.worse.is_promising() || self.better.is_promising() && !is_excluded
     }
 
     /// The verdict of both ends, with the confidence of that quantile of the normal distribution.

@@ -1,5 +1,6 @@
 //! The course of one trial: interim estimates, switches, and its end.
 
+use super::comparison::Comparison;
 use super::estimate::{Estimate, FINAL, STRICT};
 use super::trial::{SEGMENTS, Trial};
 use super::{CONTROL_NS, LEAST, RAMP_NS, SEGMENT_NS, Verdict};
@@ -30,7 +31,7 @@ pub(super) enum Step {
     /// The next segment begins.
     Switch,
     /// The trial ends with that.
-    End(Option<Estimate>, Verdict),
+    End(Option<Comparison>, Verdict),
     /// The trial ends without enough costs.
     GiveUp,
 }
@@ -61,8 +62,7 @@ impl RunningTrial {
         if frames >= self.next_estimate.max(least) || is_over {
             self.next_estimate = 2 * frames.max(LEAST);
             let comparison = self.trial.compare();
-            let estimate = comparison.map(|comparison| comparison.estimate());
-            self.latest = estimate;
+            self.latest = comparison.map(|comparison| comparison.estimate());
             let verdict =
                 |quantile| comparison.map_or(Verdict::Unclear, |comparison| comparison.verdict(quantile));
             let strict = verdict(STRICT);
@@ -70,12 +70,12 @@ impl RunningTrial {
             match (self.trial.at(), strict) {
                 (1, Verdict::Saves | Verdict::SavesNothing) => return Some(Step::Switch),
                 (_, Verdict::Saves | Verdict::SavesNothing) if self.trial.at() > 1 => {
-                    return Some(Step::End(estimate, strict));
+                    return Some(Step::End(comparison, strict));
                 }
                 _ if is_over && is_last && self.is_early => {
-                    return Some(Step::End(estimate, verdict(FINAL)));
+                    return Some(Step::End(comparison, verdict(FINAL)));
                 }
-                _ if is_over && is_last => return Some(Step::End(estimate, Verdict::Unclear)),
+                _ if is_over && is_last => return Some(Step::End(comparison, Verdict::Unclear)),
                 _ if is_over => return Some(Step::Switch),
                 _ => {}
             }

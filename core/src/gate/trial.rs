@@ -112,17 +112,21 @@ impl Segment {
     }
 }
 
-/// Mean time and pixels, and mean cost without the least and the greatest.
+/// Mean time, and mean cost and pixels without the frames of the least and the greatest cost.
 fn trimmed_mean(group: &[Sample]) -> Sample {
     let count = group.len() as f32;
-    let mean = |of: fn(&Sample) -> f32| group.iter().map(of).sum::<f32>() / count;
-    let costs = group.iter().map(|sample| sample.cost);
-    let (least, most) =
-        costs.clone().fold((f32::MAX, f32::MIN), |(least, most), cost| (least.min(cost), most.max(cost)));
+    let sum = |of: fn(&Sample) -> f32| group.iter().map(of).sum::<f32>();
+    let (mut least, mut most) = (group[0], group[0]);
+    for sample in group {
+        least = if sample.cost < least.cost { *sample } else { least };
+        // Of equal costs the last, so that these are two frames.
+        most = if sample.cost >= most.cost { *sample } else { most };
+    }
+    let trimmed = |of: fn(&Sample) -> f32| (sum(of) - of(&least) - of(&most)) / (count - 2.0);
     Sample {
-        at_s: mean(|sample| sample.at_s),
-        cost: (costs.sum::<f32>() - least - most) / (count - 2.0),
-        pixels: mean(|sample| sample.pixels),
+        at_s: sum(|sample| sample.at_s) / count,
+        cost: trimmed(|sample| sample.cost),
+        pixels: trimmed(|sample| sample.pixels),
     }
 }
 
@@ -208,6 +212,20 @@ mod tests {
         assert!(segment.points[..segment.len].iter().all(is_mean));
         (0..1000).for_each(|frame| segment.push(sample(frame, 2.0)));
         assert_eq!((segment.frames, segment.len), (1024, ROOM));
+    }
+
+    /// A hitch whose pixels differ, as those of an application that reacts to the frame before, leaves cost per pixel as it is.
+    #[test]
+    fn pixels_of_dropped_costs_are_dropped() {
+        let sample = |frame: usize| match frame {
+            5 => Sample { at_s: 0.0, cost: 9.0, pixels: -2.0 },
+            _ => Sample { at_s: 0.0, cost: 2.0 + 0.1 * frame as f32, pixels: 0.1 * frame as f32 },
+        };
+        let group: Vec<Sample> = (0..GROUP).map(sample).collect();
+        let point = trimmed_mean(&group);
+        assert!((point.cost - point.pixels - 2.0).abs() < 1e-5, "{point:?}");
+        let alike = [Sample { at_s: 1.0, cost: 3.0, pixels: 0.25 }; GROUP];
+        assert_eq!(trimmed_mean(&alike), alike[0]);
     }
 
     #[test]

@@ -4,11 +4,12 @@
 //! A pass is decided on when it begins to be recorded, by the recordings and the recognition of its target in earlier frames. For an
 //! [`eligible`] pass, the depth buffer is filled from a [`DepthTemplate`] ahead of the pass, which then loads depth where the application
 //! clears it; where the application loads depth, skipped blocks are covered in that, and where it needs depth later, they are filled (see
-//! [`crate::kernels::depth`]). In a pass without depth, or with depth that must stay as it is, fragment shaders return early in skipped blocks
-//! instead (see [`MaskMethod`]). Directly after the pass, [`crate::kernels::fill`] fills the skipped blocks of every stored colour
+//! [`crate::kernels::nearest`]). In a pass without depth, or with depth that must stay as it is, fragment shaders return early in skipped blocks
+//! instead (see [`MaskMethod`]). Directly after the pass, a [`ColorFill`] fills the skipped blocks of every stored colour
 //! attachment. All of it is recorded once; the content of the template and of the skip list decides the skipped blocks, and changes between submits.
 
 mod attachments;
+mod color_fill;
 mod decision;
 mod early_return;
 mod early_return_pipeline;
@@ -32,6 +33,7 @@ mod usage;
 mod views;
 
 pub(crate) use attachments::{Attachments, rendering_attachments};
+pub use color_fill::{ColorFill, FillKind};
 pub(crate) use decision::PassContext;
 pub use early_return::{EarlyReturn, NoEarlyReturn, returning_early};
 pub(crate) use early_return_pipeline::{EarlyReturnPipeline, follow_graphics, follows_graphics};

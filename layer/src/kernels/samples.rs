@@ -1,7 +1,6 @@
 //! `samples`: the skipped blocks of pictures and depth of several samples, which can be copied to no buffer and written by no compute
 //! shader: they are drawn, from a copy.
 
-use super::fill::{Fill, FillTarget, SkipBuffer};
 use crate::gpu::{
     AppCommands, Bound, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImageDescription, ImagePart,
     Owned, OwnedImage, SampleAspect, SamplePass, SampleTarget, Scope, array_view, depth_view,
@@ -139,14 +138,13 @@ impl SampleFill {
         Ok(Self { sets, _params: params, _views: views, copy, target, kernel, aspects, extent, layers })
     }
 
-    /// Records the fill of a picture, which is in `layout` before and after, by `list`, with which `resolved` was made, for pictures of one
-    /// sample.
+    /// Records the fill of a picture, which is in `layout` before and after; `fill` records that of a picture of one sample.
     pub fn record_color(
         &self,
         commands: &AppCommands,
-        (fill, resolved, list): (&Fill, &FillTarget, &SkipBuffer),
         picture: ImagePart,
         layout: vk::ImageLayout,
+        fill: impl FnOnce(ImagePart, vk::ImageLayout),
     ) {
         use vk::ImageLayout as Layout;
         let copy = self.copy();
@@ -156,7 +154,7 @@ impl SampleFill {
         commands.resolve_image(picture, copy, self.extent);
         let read = Layout::SHADER_READ_ONLY_OPTIMAL;
         commands.barrier(copy, (Layout::TRANSFER_DST_OPTIMAL, WRITES), (read, Scope::ALL));
-        fill.record(commands, resolved, list, copy, read);
+        fill(copy, read);
         self.draw(commands, picture, layout);
     }
 

@@ -353,7 +353,7 @@ impl Perception {
 
     /// The state of an eye with that many tiles and pixels; a state of other sizes is forgotten.
     fn eye(&self, tools: &Tools, eye: usize, tiles: [u32; 2], extent: [u32; 2]) -> Option<Arc<EyeTiles>> {
-        let is_it = |known: &&Eye| known.tiles.view.tiles() == tiles && known.tiles.levels.extent() == extent;
+        let is_it = |known: &&Eye| known.tiles.view.tiles() == tiles && known.tiles.extent == extent;
         if let Some(known) = self.state().eyes[eye].as_ref().filter(is_it) {
             return Some(Arc::clone(&known.tiles));
         }

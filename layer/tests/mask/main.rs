@@ -4,8 +4,8 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 mod application;
-mod depth;
 mod early_return;
+mod nearest;
 #[path = "../fill/picture.rs"]
 #[allow(dead_code, reason = "shared with the tests of fill")]
 mod picture;

@@ -1,15 +1,50 @@
 //! The table.
+//!
+//! A RADV device with an unknown name is newer than the table, and counts as RDNA3 or later. It gets the quirks of RDNA2 and later, which
+//! only limit samples and warn, and none of RDNA2 alone, whose hardware keeps rates in the metadata of depth.
 
-use super::{Effect, Quirk};
+use super::{Devices, Effect, Quirk};
 
 /// `VK_DRIVER_ID_MESA_RADV`.
 const RADV: u32 = 3;
 
-/// GFX10.3, as RADV 25.0.7 names its devices.
-const RDNA2: &[&str] = &["NAVI21", "NAVI22", "NAVI23", "NAVI24", "VANGOGH", "REMBRANDT", "RAPHAEL_MENDOCINO"];
+/// Before GFX10.3, in the words of RADV's device names (Mesa's `amd_family.c`): no shading rates.
+const BEFORE_RDNA2: &[&str] = &[
+    "TAHITI",
+    "PITCAIRN",
+    "VERDE",
+    "OLAND",
+    "HAINAN",
+    "BONAIRE",
+    "KAVERI",
+    "KABINI",
+    "HAWAII",
+    "TONGA",
+    "ICELAND",
+    "CARRIZO",
+    "FIJI",
+    "STONEY",
+    "POLARIS10",
+    "POLARIS11",
+    "POLARIS12",
+    "VEGAM",
+    "VEGA10",
+    "VEGA12",
+    "VEGA20",
+    "RAVEN",
+    "RAVEN2",
+    "RENOIR",
+    "MI100",
+    "MI200",
+    "GFX940",
+    "NAVI10",
+    "NAVI12",
+    "NAVI14",
+    "GFX1013",
+];
 
-/// GFX10.3 and later, as RADV 25.0.7 names its devices.
-const RDNA2_AND_LATER: &[&str] = &[
+/// GFX10.3, of which no new ones are made: as RADV names its devices since Mesa 22.2, and before.
+const RDNA2: Devices = Devices::Named(&[
     "NAVI21",
     "NAVI22",
     "NAVI23",
@@ -17,18 +52,16 @@ const RDNA2_AND_LATER: &[&str] = &[
     "VANGOGH",
     "REMBRANDT",
     "RAPHAEL_MENDOCINO",
-    "NAVI31",
-    "NAVI32",
-    "NAVI33",
-    "PHOENIX",
-    "PHOENIX2",
-    "GFX1150",
-    "GFX1151",
-    "GFX1152",
-    "GFX1153",
-    "GFX1200",
-    "GFX1201",
-];
+    "SIENNA_CICHLID",
+    "NAVY_FLOUNDER",
+    "DIMGREY_CAVEFISH",
+    "BEIGE_GOBY",
+    "YELLOW_CARP",
+    "GFX1036",
+]);
+
+/// GFX10.3 and later, devices with names that are newer than this table among them.
+const RDNA2_AND_LATER: Devices = Devices::Others(BEFORE_RDNA2);
 
 /// All quirks that are known.
 pub const QUIRKS: [Quirk; 4] = [

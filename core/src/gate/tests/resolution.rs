@@ -69,3 +69,18 @@ fn a_slowdown_in_a_menu_is_not_the_game_s() {
         }
     }
 }
+
+/// Pixels that ignore the cost hide a saving in the cost alone from one first trial in eight, but not in the cost per pixel: a second one
+/// finds it without an eye tracker.
+#[test]
+fn a_saving_that_is_likely_per_pixel_has_a_second_trial() {
+    let [mut early, mut late] = [0; 2];
+    for share in [0.0, 0.9] {
+        let game = Game { control: Control::Wander(1.0), share, gain: 0.1, ..Game::DEFAULT };
+        for played in (0..60).map(|seed| game.play(Eyes::Rest, seed, 180)) {
+            early += usize::from(!played.is_kept_at_30_s);
+            late += usize::from(!played.is_kept);
+        }
+    }
+    assert!(early > 8 && 4 * late <= early, "{early} of 120 missed at first, {late} still");
+}

@@ -1,7 +1,7 @@
 //! Passes that can have a mask without a visible difference, and the reasons why others cannot.
 
+use crate::backend::mask::color_fill::FillKind;
 use crate::backend::mask::method::EarlyReturnSupport;
-use crate::kernels::fill::fill_format;
 use crate::pass_detection::{PassFacts, Unmasked};
 use ash::vk;
 use parafovea_core::mask::{DepthFormat, Direction, TemplateDepths, near_value};
@@ -160,7 +160,7 @@ pub struct Eligible {
     pub work: DepthWork,
 }
 
-/// Work on depth that is older than its pass, or outlives it, see [`crate::kernels::depth`].
+/// Work on depth that is older than its pass, or outlives it, see [`crate::kernels::nearest`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DepthWork {
     /// It is loaded: skipped blocks are covered, where a template would replace the rest too.
@@ -255,15 +255,21 @@ fn of_depth(depth: &DepthFacts, facts: &MaskFacts) -> Result<(DepthFormat, Depth
     Ok((format, work))
 }
 
+/// Motion, indices and the like are filled beside colour that is interpolated. A pass that stores nothing else is left alone: it shades
+/// little, and the pass that reads it can have a mask.
 pub(super) fn of_colors(colors: &[ColorFacts]) -> Result<(), Unmasked> {
     let stored = || colors.iter().filter(|color| color.is_stored);
+    let mut is_color = false;
     for color in stored() {
+        let kind = FillKind::of(color.format, color.samples);
+        is_color |= matches!(kind, Some(FillKind::Interpolated(_)));
         first(&[
-            (fill_format(color.format).is_none(), Unmasked::ColorFormat(color.format)),
+            (kind.is_none(), Unmasked::ColorFormat(color.format)),
             (!color.is_fillable, Unmasked::NotFillable),
         ])?;
     }
-    first(&[(stored().next().is_none(), Unmasked::NothingStored)])
+    let one = stored().next().ok_or(Unmasked::NothingStored)?;
+    first(&[(!is_color, Unmasked::ColorFormat(one.format))])
 }
 
 fn first(against: &[(bool, Unmasked)]) -> Result<(), Unmasked> {

@@ -1,8 +1,8 @@
 //! Usage that images of the application get in addition, so that they can have a mask.
 
-use crate::backend::mask::depth_format;
-use crate::kernels::fill::{USAGE, fill_format};
-use crate::kernels::{depth, samples};
+use crate::backend::mask::{FillKind, depth_format};
+use crate::kernels::fill::USAGE;
+use crate::kernels::{nearest, samples};
 use ash::vk;
 
 /// The usage that an image with this description needs, besides the application's; empty if it can be neither depth nor colour of a masked
@@ -20,8 +20,8 @@ pub fn added_usage(info: &vk::ImageCreateInfo<'_>) -> vk::ImageUsageFlags {
     let is_depth = info.usage.contains(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
     let is_color = info.usage.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT);
     let added = if plain && is_depth && depth_format(info.format).is_some() {
-        depth::USAGE
-    } else if plain && is_color && fill_format(info.format).is_some() {
+        nearest::USAGE
+    } else if plain && is_color && FillKind::of(info.format, info.samples).is_some() {
         match info.samples {
             vk::SampleCountFlags::TYPE_1 => USAGE,
             _ => samples::USAGE,
@@ -52,12 +52,13 @@ mod tests {
     #[test]
     fn targets_get_what_the_mask_needs() {
         let target = image(vk::Format::D24_UNORM_S8_UINT, DEPTH);
-        assert_eq!(added_usage(&target), depth::USAGE);
+        assert_eq!(added_usage(&target), nearest::USAGE);
         let several = target.samples(vk::SampleCountFlags::TYPE_4);
-        assert_eq!(added_usage(&several), depth::USAGE);
+        assert_eq!(added_usage(&several), nearest::USAGE);
         let color = image(vk::Format::B8G8R8A8_SRGB, COLOR);
         assert_eq!(added_usage(&color), USAGE);
         assert_eq!(added_usage(&color.samples(vk::SampleCountFlags::TYPE_4)), samples::USAGE);
+        assert_eq!(added_usage(&image(vk::Format::R16G16_SFLOAT, COLOR)), USAGE);
         let read = image(vk::Format::R16G16B16A16_SFLOAT, COLOR | vk::ImageUsageFlags::TRANSFER_SRC);
         assert_eq!(added_usage(&read), vk::ImageUsageFlags::TRANSFER_DST);
     }
@@ -66,7 +67,8 @@ mod tests {
     fn other_images_stay_as_they_are() {
         let sampled = image(vk::Format::R8G8B8A8_SRGB, vk::ImageUsageFlags::SAMPLED);
         assert_eq!(added_usage(&sampled), NONE);
-        assert_eq!(added_usage(&image(vk::Format::R32_UINT, COLOR)), NONE);
+        let indices = image(vk::Format::R32_UINT, COLOR).samples(vk::SampleCountFlags::TYPE_4);
+        assert_eq!(added_usage(&indices), NONE);
         assert_eq!(added_usage(&image(vk::Format::S8_UINT, DEPTH)), NONE);
         let color = || image(vk::Format::R8G8B8A8_SRGB, COLOR);
         for changed in [

@@ -1,16 +1,16 @@
 //! The kernels of all masks of a device.
 
 use crate::gpu::{Gpu, GpuError};
-use crate::kernels::depth::DepthKernels;
 use crate::kernels::fill::Fill;
+use crate::kernels::nearest::NearestKernels;
 use std::sync::Arc;
 
 /// The compiled kernels that masks share; a template's pipeline is its own.
 pub struct MaskKernels {
-    /// Fills skipped blocks of colour.
+    /// Fills skipped blocks of colour that is interpolated.
     pub fill: Fill,
-    /// Covers and fills skipped blocks of depth.
-    pub depth: DepthKernels,
+    /// Fills those of other colour; covers and fills those of depth.
+    pub nearest: NearestKernels,
 }
 
 impl MaskKernels {
@@ -19,6 +19,6 @@ impl MaskKernels {
     /// # Errors
     /// A failed call.
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
-        Ok(Self { fill: Fill::new(gpu)?, depth: DepthKernels::new(gpu)? })
+        Ok(Self { fill: Fill::new(gpu)?, nearest: NearestKernels::new(gpu)? })
     }
 }

@@ -1,14 +1,15 @@
 //! The GPU objects of one masked target, and their commands.
 
-use crate::backend::mask::{DepthTemplate, Eligible, MaskKernels, resolve_mask};
+use crate::backend::mask::{ColorFill, DepthTemplate, Eligible, FillKind, MaskKernels, resolve_mask};
 use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart, ReturnLayout, ReturnSet};
-use crate::kernels::depth::DepthCopy;
-use crate::kernels::fill::{FillTarget, SkipBuffer, fill_format};
+use crate::kernels::fill::SkipBuffer;
 use crate::kernels::mask::MaskOutput;
+use crate::kernels::nearest::NearestCopy;
 use crate::kernels::samples::{SampleFill, SampleKernel, Skipped};
 use crate::pass_detection::{ImageKey, Part, Target};
 use crate::rate_map::RateImage;
 use ash::vk;
+use parafovea_core::kernels::nearest::NearestParams;
 use parafovea_core::kernels::samples::SampleParams;
 use parafovea_core::mask::{BLOCK, DepthFormat, EarlyReturnParams, Mask, TemplateDepths};
 use smallvec::SmallVec;
@@ -21,11 +22,11 @@ type SampleFills = SmallVec<[(Target, Arc<SampleFill>); 4]>;
 /// [`MaskMap::stage`] and [`MaskMap::upload`], and everything is shaded until it first does.
 pub struct MaskMap {
     // Before `list`, which their sets name.
-    targets: Mutex<SmallVec<[Arc<FillTarget>; 2]>>,
+    targets: Mutex<SmallVec<[Arc<ColorFill>; 2]>>,
     /// Of images of several samples, each made for the first pass that needs it; an image of the application's has its key once.
     samples: Mutex<SampleFills>,
     /// Made for the first pass that needs it.
-    depth: OnceLock<Option<DepthCopy>>,
+    depth: OnceLock<Option<NearestCopy>>,
     list: SkipBuffer,
     /// Made for the first pass whose shaders return early, and before `template`, which it names.
     returns: OnceLock<Option<ReturnSet>>,
@@ -84,9 +85,12 @@ impl MaskMap {
     pub fn prepare_depth(&self) -> bool {
         let Eligible { format, depths, .. } = self.eligible;
         let make = || {
-            let size = (self.extent, self.layers);
-            let copy =
-                DepthCopy::new(&self.gpu, &self.kernels.depth, (format, depths.skipped), size, &self.list);
+            let copy = NearestParams::of_depth(self.extent, format, depths.skipped)
+                .ok_or(GpuError::Unsupported("loaded or read depth of this size"))
+                .and_then(|params| {
+                    let size = (self.extent[1], self.layers);
+                    NearestCopy::new(&self.gpu, &self.kernels.nearest, params, size, &self.list)
+                });
             copy.inspect_err(|error| error.log("no mask")).ok()
         };
         self.depth.get_or_init(make).is_some()
@@ -103,15 +107,15 @@ impl MaskMap {
         self.returns.get_or_init(make).as_ref().map(ReturnSet::handle)
     }
 
-    /// Records the commands ahead of a pass that loads `depth`, which is in `layout`, see [`DepthCopy::cover`]; nothing before
+    /// Records the commands ahead of a pass that loads `depth`, which is in `layout`, see [`NearestCopy::cover`]; nothing before
     /// [`Self::prepare_depth`].
     pub fn cover(&self, commands: &AppCommands, depth: ImagePart, area: vk::Rect2D, layout: vk::ImageLayout) {
         if let Some(copy) = self.depth.get().and_then(Option::as_ref) {
-            copy.cover(commands, (&self.kernels.depth, &self.list), (depth, area), layout);
+            copy.cover(commands, (&self.kernels.nearest, &self.list), (depth, area), layout);
         }
     }
 
-    /// Records the commands after a pass whose `depth`, which is in `layout`, is needed, see [`DepthCopy::fill`]; nothing before
+    /// Records the commands after a pass whose `depth`, which is in `layout`, is needed, see [`NearestCopy::fill`]; nothing before
     /// [`Self::prepare_depth`].
     pub fn fill_depth(
         &self,
@@ -121,7 +125,7 @@ impl MaskMap {
         layout: vk::ImageLayout,
     ) {
         if let Some(copy) = self.depth.get().and_then(Option::as_ref) {
-            copy.fill(commands, (&self.kernels.depth, &self.list), (depth, area), layout);
+            copy.fill(commands, (&self.kernels.nearest, &self.list), (depth, area), layout);
         }
     }
 
@@ -205,7 +209,7 @@ impl MaskMap {
     /// nothing before [`Self::prepare`] for the format.
     pub fn end(&self, commands: &AppCommands, color: ImagePart, format: vk::Format, layout: vk::ImageLayout) {
         if let Some(target) = self.target(format) {
-            self.kernels.fill.record(commands, &target, &self.list, color, layout);
+            target.record(commands, (&self.kernels, &self.list), color, layout);
         }
     }
 
@@ -251,7 +255,9 @@ impl MaskMap {
         if !fill.is_color() {
             fill.record_depth(commands, part, layout);
         } else if let Some(target) = self.target(format) {
-            fill.record_color(commands, (&self.kernels.fill, &target, &self.list), part, layout);
+            fill.record_color(commands, part, layout, |copy, layout| {
+                target.record(commands, (&self.kernels, &self.list), copy, layout);
+            });
         }
     }
 
@@ -275,22 +281,23 @@ impl MaskMap {
     /// Prepares the fill of pictures that are drawn to in `format`.
     ///
     /// # Errors
-    /// As for [`crate::kernels::fill::Fill::target`].
+    /// As for [`ColorFill::new`].
     pub fn prepare(&self, format: vk::Format) -> Result<(), GpuError> {
         if self.target(format).is_none() {
             // Made without the lock, which is not held across calls down: another thread may have been faster.
-            let target = Arc::new(self.kernels.fill.target(format, self.extent, self.layers, &self.list)?);
-            self.targets().push(target);
+            let size = (self.extent, self.layers);
+            let target = ColorFill::new(&self.gpu, &self.kernels, format, size, &self.list)?;
+            self.targets().push(Arc::new(target));
         }
         Ok(())
     }
 
-    fn target(&self, format: vk::Format) -> Option<Arc<FillTarget>> {
-        let (kind, _) = fill_format(format)?;
-        self.targets().iter().find(|target| target.format() == kind).map(Arc::clone)
+    fn target(&self, format: vk::Format) -> Option<Arc<ColorFill>> {
+        let kind = FillKind::of(format, vk::SampleCountFlags::TYPE_1)?;
+        self.targets().iter().find(|target| target.kind() == kind).map(Arc::clone)
     }
 
-    fn targets(&self) -> MutexGuard<'_, SmallVec<[Arc<FillTarget>; 2]>> {
+    fn targets(&self) -> MutexGuard<'_, SmallVec<[Arc<ColorFill>; 2]>> {
         self.targets.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

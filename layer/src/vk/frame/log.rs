@@ -185,11 +185,13 @@ impl Log {
 
     /// Begins the next frame without learning from the last one.
     pub fn begin_next(&mut self, objects: &Objects) {
-        // Eye passes of a frame that was not followed are assumed to be the same as in the last sample.
-        if self.learns() {
-            (self.last_eye_passes, self.last_eye_pixels) =
-                (self.eye_passes.number(), self.eye_passes.pixels());
-        } else {
+        // Eye passes of a frame that was not followed are assumed to be the same as in the last sample. An incomplete frame with all of
+        // them has pixels of its own.
+        let eye_passes = self.eye_passes.number();
+        if self.learns() || eye_passes == self.last_eye_passes {
+            (self.last_eye_passes, self.last_eye_pixels) = (eye_passes, self.eye_passes.pixels());
+        }
+        if !self.learns() {
             self.recognition.miss();
         }
         self.is_incomplete = false;
@@ -212,16 +214,7 @@ mod tests {
 
     /// Draws an eye pass in each frame that is followed, and returns the sets that the frames of a minute end with.
     fn eye_passes_of_a_minute(log: &mut Log) -> Vec<u32> {
-        let first = ImageDescription {
-            key: ImageKey(1),
-            extent: [64, 64],
-            layers: 1,
-            format: vk::Format::R8G8B8A8_SRGB,
-            samples: 1,
-            is_cube: false,
-            swapchain: None,
-        };
-        let pass = pass();
+        let (first, pass) = (image(), pass());
         let objects = Objects::default();
         let frame = |_| {
             if log.follows() {
@@ -232,6 +225,18 @@ mod tests {
             log.eye_passes()
         };
         (0..5400).map(frame).collect()
+    }
+
+    fn image() -> ImageDescription {
+        ImageDescription {
+            key: ImageKey(1),
+            extent: [64, 64],
+            layers: 1,
+            format: vk::Format::R8G8B8A8_SRGB,
+            samples: 1,
+            is_cube: false,
+            swapchain: None,
+        }
     }
 
     fn pass() -> Pass {
@@ -313,6 +318,29 @@ mod tests {
         });
         assert_eq!(followed.count(), 120, "of half a minute at 90 Hz");
     }
+    /// An application with too many events in every frame, and dynamic resolution.
+    #[test]
+    fn incomplete_frames_with_all_eye_passes_have_their_own_pixels() {
+        let (mut log, objects) = (Log::default(), Objects::default());
+        let image = image();
+        let shadow = ImageDescription { format: vk::Format::R16_UNORM, ..image };
+        let mut frame = |sizes: &[(&ImageDescription, u32)], is_complete: bool| {
+            if !is_complete {
+                log.miss();
+            }
+            for (image, size) in sizes {
+                log.eye_passes.add(&Pass { region: [0, 0, *size, *size], ..pass() }, image);
+            }
+            log.begin_next(&objects);
+            (log.eye_passes() != 0, log.eye_pixels())
+        };
+        assert_eq!(frame(&[(&image, 64), (&shadow, 8)], true), (true, 64 * 64));
+        assert_eq!(frame(&[(&image, 48), (&shadow, 8)], false), (true, 48 * 48));
+        assert_eq!(frame(&[(&shadow, 8)], false), (true, 48 * 48), "a part of them");
+        assert_eq!(frame(&[], false), (true, 48 * 48));
+        assert_eq!(frame(&[(&shadow, 8)], true), (true, 8 * 8));
+    }
+
     #[test]
     fn commands_go_untracked_only_well_ahead_of_samples() {
         let objects = Objects::default();

@@ -1,14 +1,14 @@
 //! The state of one eye.
 
 use super::Tools;
-use crate::gpu::GpuError;
+use crate::gpu::{Gpu, GpuError};
 use crate::kernels::analyze::{Levels, ViewTiles};
 use crate::kernels::decide::DecideTarget;
 use crate::link::{EyeBufferRecord, EyeViewRecord};
 use ash::vk;
 use glam::{Quat, Vec2};
 use parafovea_core::geometry::{ImagePlane, View};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// An eye whose pictures are analysed.
 pub struct Eye {
@@ -101,8 +101,10 @@ pub struct EyeTiles {
     pub eye: usize,
     /// Contrast and rates.
     pub view: Arc<ViewTiles>,
-    /// Memory for the analysis of pictures.
-    pub levels: Arc<Levels>,
+    /// Size of the pictures, pixels.
+    pub extent: [u32; 2],
+    /// Made for the first picture that is analysed: none is while contrast does not count.
+    levels: OnceLock<Arc<Levels>>,
     /// The target of decisions.
     pub decide: DecideTarget,
 }
@@ -111,12 +113,23 @@ impl EyeTiles {
     /// Of that many columns and rows, with nothing known, of pictures of that many pixels.
     ///
     /// # Errors
-    /// A failed call, or more tiles or pixels than the device takes.
+    /// A failed call, or more tiles than the device takes.
     pub fn new(tools: &Tools, eye: usize, tiles: [u32; 2], extent: [u32; 2]) -> Result<Self, GpuError> {
         let view = Arc::new(ViewTiles::new(&tools.gpu, tiles)?);
-        let levels = Arc::new(Levels::new(&tools.gpu, extent)?);
         let decide = tools.decide.target(&view)?;
-        Ok(Self { eye, view, levels, decide })
+        Ok(Self { eye, view, extent, levels: OnceLock::new(), decide })
+    }
+
+    /// Memory for the analysis of pictures.
+    ///
+    /// # Errors
+    /// A failed call, or more pixels than the device takes.
+    pub fn levels(&self, gpu: &Arc<Gpu>) -> Result<&Arc<Levels>, GpuError> {
+        if let Some(levels) = self.levels.get() {
+            return Ok(levels);
+        }
+        let new = Arc::new(Levels::new(gpu, self.extent)?);
+        Ok(self.levels.get_or_init(|| new))
     }
 }
 

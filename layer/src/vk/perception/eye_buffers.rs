@@ -111,5 +111,6 @@ pub fn target(
     let settings = ContrastSettings { texel, aggregation, ..ContrastSettings::default() };
     let [x, y, width, height] = record.rect;
     let params = AnalyzeParams::new([x, y], [width, height], &settings, record.white_cd_m2, Matrix::Bt709);
-    tools.analyze.target((record.image, record.format, record.layer), &params, (&tiles.view, &tiles.levels))
+    let levels = tiles.levels(&tools.gpu)?;
+    tools.analyze.target((record.image, record.format, record.layer), &params, (&tiles.view, levels))
 }

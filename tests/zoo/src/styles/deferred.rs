@@ -1,4 +1,4 @@
-//! A G-buffer of colour, normal and depth, then lighting over the full screen.
+//! A G-buffer of colour, normal, motion and depth, then lighting over the full screen.
 
 use crate::app::{App, EYES, Recorder};
 use crate::gpu::{DEPTH, Depth, ImageSpec, Kind, PassSpec, PipelineSpec};
@@ -12,6 +12,7 @@ use ash::vk;
 
 const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+const MOTION: vk::Format = vk::Format::R16G16_SFLOAT;
 
 pub const STYLE: Style = Style {
     name: "deferred",
@@ -36,11 +37,12 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let gpu = app.gpu;
     let albedo = gpu.image(&ImageSpec::new(ALBEDO, app.size))?;
     let normal = gpu.image(&ImageSpec::new(NORMAL, app.size))?;
+    let motion = gpu.image(&ImageSpec::new(MOTION, app.size))?;
     let depth = gpu.image(&ImageSpec::new(DEPTH, app.size))?;
     let layers = gpu.pass(
         Kind::RenderPass,
         PassSpec {
-            colors: vec![albedo.cleared([0.0; 4]).sampled(), normal.cleared([0.0; 4]).sampled()],
+            colors: [albedo, normal, motion].map(|image| image.cleared([0.0; 4]).sampled()).to_vec(),
             depth: Some(depth.depth_cleared(1.0).stored().sampled()),
             ..PassSpec::default()
         },
@@ -51,7 +53,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let lighting =
         PipelineSpec::new(shader!("deferred", "screen_vs"), shader!("deferred", "lighting_fs"), Depth::NONE);
     let lighting = gpu.pipeline(&lighting, app.scene.layout, &eyes[0][0].target)?;
-    let set = app.scene.textured(gpu, &[albedo, normal, depth])?;
+    let set = app.scene.textured(gpu, &[albedo, normal, depth, motion])?;
     Ok(Box::new(move |frame| {
         for eye in EYES {
             layers.begin(gpu, frame.commands);

@@ -225,6 +225,25 @@ fn integer_colours() {
     assert_eq!(refused(|_, _, color, _| color.format = format), Unmasked::ColorFormat(format));
 }
 
+/// Motion, masks and indices beside colour, as engines draw them; not alone, and not in a format of no known size.
+#[test]
+fn other_targets_beside_colour() {
+    let beside = |format, samples| of_colors(&[color(), ColorFacts { format, samples, ..color() }]);
+    for format in [vk::Format::R16G16_SFLOAT, vk::Format::R8_UNORM, vk::Format::R32_UINT] {
+        assert_eq!(beside(format, ONE), Ok(()));
+        let alone = ColorFacts { format, ..color() };
+        assert_eq!(of_colors(&[alone; 2]), Err(Unmasked::ColorFormat(format)));
+        let unstored = ColorFacts { is_stored: false, ..color() };
+        assert_eq!(of_colors(&[unstored, alone]), Err(Unmasked::ColorFormat(format)));
+        let unfillable = ColorFacts { is_fillable: false, ..alone };
+        assert_eq!(of_colors(&[color(), unfillable]), Err(Unmasked::NotFillable));
+    }
+    assert_eq!(beside(vk::Format::R16G16_SFLOAT, FOUR), Ok(()));
+    for (format, samples) in [(vk::Format::R32_UINT, FOUR), (vk::Format::R64_SFLOAT, ONE)] {
+        assert_eq!(beside(format, samples), Err(Unmasked::ColorFormat(format)));
+    }
+}
+
 #[test]
 fn stored_samples() {
     assert_eq!(judged(|_, _, color, _| color.samples = FOUR), Ok(FORWARD));

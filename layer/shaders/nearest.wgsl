@@ -1,10 +1,10 @@
-// Kernel `depth`: skipped blocks of a copy of a depth buffer, in place, one thread for each block.
-// Reference: core/src/kernels/depth.rs; core/src/mask/list.rs has the layout of the list.
+// Kernel `nearest`: skipped blocks of a copy of a picture whose texels are not interpolated, in place, one thread for each block.
+// Reference: core/src/kernels/nearest.rs; core/src/mask/list.rs has the layout of the list.
 
-struct DepthParams {
-    width: u32,
+struct NearestParams {
+    row_words: u32,
     layer_words: u32,
-    texels_in_word: u32,
+    texel_size: u32,
     near: u32,
 }
 
@@ -15,9 +15,9 @@ struct SkipList {
 }
 
 // Storage: lavapipe of Mesa 22.3 recompiles a shader that branches on uniforms for each dispatch.
-@group(0) @binding(0) var<storage, read> params: DepthParams;
+@group(0) @binding(0) var<storage, read> params: NearestParams;
 @group(0) @binding(1) var<storage, read> list: SkipList;
-@group(0) @binding(2) var<storage, read_write> depths: array<u32>;
+@group(0) @binding(2) var<storage, read_write> words: array<u32>;
 
 // core::mask::BLOCK, core::mask::BLOCKS_PER_GROUP
 const BLOCK: i32 = 4;
@@ -45,12 +45,13 @@ fn place(group: vec3<u32>, groups: vec3<u32>, thread: u32) -> Place {
     return Place(entry.y != 0u, block * BLOCK, (entry.x >> 24u) * params.layer_words, entry.y);
 }
 
+// The word in which a texel begins.
 fn word_of(place: Place, pixel: vec2<i32>) -> u32 {
-    return place.first_word + (u32(pixel.y) * params.width + u32(pixel.x)) / params.texels_in_word;
+    return place.first_word + u32(pixel.y) * params.row_words + u32(pixel.x) * params.texel_size / 4u;
 }
 
-// The texel of the nearest source pixel, of equally near ones the first.
-fn nearest_texel(place: Place, pixel: vec2<i32>) -> u32 {
+// The nearest source pixel, of equally near ones the first.
+fn nearest_pixel(place: Place, pixel: vec2<i32>) -> vec2<i32> {
     var least = 0x7fffffff;
     var source = pixel;
     for (var index = 0u; index < 4u; index++) {
@@ -64,11 +65,20 @@ fn nearest_texel(place: Place, pixel: vec2<i32>) -> u32 {
         least = select(least, distance, is_nearer);
         source = select(source, nearest, vec2(is_nearer));
     }
-    let word = depths[word_of(place, source)];
-    if params.texels_in_word == 2u {
-        return extractBits(word, 16u * (u32(source.x) & 1u), 16u);
+    return source;
+}
+
+// A word of several texels, of which the first is that of a pixel.
+fn packed(place: Place, pixel: vec2<i32>) -> u32 {
+    let bits = 8u * params.texel_size;
+    let texels = 4u / params.texel_size;
+    var value = 0u;
+    for (var texel = 0u; texel < texels; texel++) {
+        let source = nearest_pixel(place, pixel + vec2(i32(texel), 0));
+        let shift = bits * (u32(source.x) % texels);
+        value |= extractBits(words[word_of(place, source)], shift, bits) << (bits * texel);
     }
-    return word;
+    return value;
 }
 
 @compute @workgroup_size(64)
@@ -81,8 +91,8 @@ fn cover(
     if place.inside {
         for (var y = 0; y < BLOCK; y++) {
             let first = word_of(place, place.origin + vec2(0, y));
-            for (var word = 0u; word < u32(BLOCK) / params.texels_in_word; word++) {
-                depths[first + word] = params.near;
+            for (var word = 0u; word < params.texel_size; word++) {
+                words[first + word] = params.near;
             }
         }
     }
@@ -95,16 +105,21 @@ fn fill(
     @builtin(local_invocation_index) thread: u32,
 ) {
     let place = place(group, groups, thread);
-    if place.inside {
-        for (var y = 0; y < BLOCK; y++) {
-            let first = word_of(place, place.origin + vec2(0, y));
-            for (var word = 0u; word < u32(BLOCK) / params.texels_in_word; word++) {
-                let pixel = place.origin + vec2(i32(word * params.texels_in_word), y);
-                var value = nearest_texel(place, pixel);
-                if params.texels_in_word == 2u {
-                    value |= nearest_texel(place, pixel + vec2(1, 0)) << 16u;
-                }
-                depths[first + word] = value;
+    if !place.inside {
+        return;
+    }
+    let step = i32(max(4u / params.texel_size, 1u));
+    for (var y = 0; y < BLOCK; y++) {
+        for (var x = 0; x < BLOCK; x += step) {
+            let pixel = place.origin + vec2(x, y);
+            let first = word_of(place, pixel);
+            if params.texel_size < 4u {
+                words[first] = packed(place, pixel);
+                continue;
+            }
+            let source = word_of(place, nearest_pixel(place, pixel));
+            for (var word = 0u; word < params.texel_size / 4u; word++) {
+                words[first + word] = words[source + word];
             }
         }
     }

@@ -1,25 +1,28 @@
-//! The kernel `depth` on a Vulkan device, beside its reference: each texel of depth in a pass that loads it, and after one.
+//! The kernel `nearest` on a Vulkan device, beside its reference: each texel of depth in a pass that loads it, and after one; and of colour
+//! that is not interpolated.
 
 use super::{EXTENT, mask, whole};
+use crate::transfer::Layer;
 use crate::vulkan::Vulkan;
 use ash::vk;
-use parafovea::backend::mask::depth_format;
+use parafovea::backend::mask::{ColorFill, FillKind, MaskKernels, depth_format};
 use parafovea::gpu::{AppCommands, ImagePart};
-use parafovea::kernels::depth::{DepthCopy, DepthKernels, USAGE};
 use parafovea::kernels::fill::SkipBuffer;
-use parafovea_core::kernels::depth::{self, DepthParams};
-use parafovea_core::mask::{DepthFormat, SkipList};
+use parafovea::kernels::nearest::{NearestCopy, NearestKernels, USAGE};
+use parafovea_core::kernels::nearest::{self, NearestParams};
+use parafovea_core::mask::{DepthFormat, Mask, MaskView, SkipList, TileRates};
+use parafovea_core::rate::VULKAN_RATES;
 
 /// The layout of depth between the copies.
 const LAYOUT: vk::ImageLayout = vk::ImageLayout::GENERAL;
 
 type Record =
-    fn(&DepthCopy, &AppCommands, (&DepthKernels, &SkipBuffer), (ImagePart, vk::Rect2D), vk::ImageLayout);
-type Reference = fn(&mut [u32], &DepthParams, &SkipList);
+    fn(&NearestCopy, &AppCommands, (&NearestKernels, &SkipBuffer), (ImagePart, vk::Rect2D), vk::ImageLayout);
+type Reference = fn(&mut [u32], &NearestParams, &SkipList);
 
 /// Each entry point, and its reference.
 const ENTRIES: [(&str, Record, Reference); 2] =
-    [("cover", DepthCopy::cover, depth::cover), ("fill", DepthCopy::fill, depth::fill)];
+    [("cover", NearestCopy::cover, nearest::cover), ("fill", NearestCopy::fill, nearest::fill)];
 
 /// A slope with steps: neighbours differ, and all values are depths from 0 to 1.
 fn slope(format: DepthFormat) -> Vec<u8> {
@@ -111,7 +114,7 @@ fn depth_after(
 #[test]
 fn depth_is_covered_and_filled_as_in_the_reference() {
     let vulkan = Vulkan::at(vk::API_VERSION_1_1);
-    let kernels = DepthKernels::new(&vulkan.gpu).unwrap();
+    let kernels = NearestKernels::new(&vulkan.gpu).unwrap();
     let part_of_it =
         vk::Rect2D { offset: vk::Offset2D { x: 22, y: 7 }, extent: vk::Extent2D { width: 90, height: 71 } };
     let formats = [vk::Format::D16_UNORM, vk::Format::X8_D24_UNORM_PACK32, vk::Format::D32_SFLOAT];
@@ -128,17 +131,102 @@ fn depth_is_covered_and_filled_as_in_the_reference() {
             for (near, (name, record, reference)) in
                 [0.0, 1.0].into_iter().flat_map(|near| ENTRIES.map(|entry| (near, entry)))
             {
-                let copy = DepthCopy::new(&vulkan.gpu, &kernels, (format, near), (EXTENT, 1), &list).unwrap();
+                let params = NearestParams::of_depth(EXTENT, format, near).unwrap();
+                let copy = NearestCopy::new(&vulkan.gpu, &kernels, params, (EXTENT[1], 1), &list).unwrap();
                 let result = depth_after(&vulkan, vulkan_format, &before, |commands, depth| {
                     record(&copy, commands, (&kernels, &list), (depth, area), LAYOUT);
                 });
-                let params = DepthParams::new(EXTENT, format, near).unwrap();
                 let mut expected = words(&before);
                 reference(&mut expected, &params, mask.list());
                 assert_ne!(expected, words(&before), "{name}: nothing to do");
                 for (index, (found, expected)) in result.iter().zip(&expected).enumerate() {
                     assert_eq!(found & bits, expected & bits, "{name} {format:?} {area:?}: word {index}");
                 }
+            }
+        }
+    }
+    vulkan.assert_valid();
+}
+
+/// Rings of all rates in two layers, each around another point. No side is a multiple of four.
+fn rings(extent: [u32; 2]) -> Mask {
+    let tiles = extent.map(|side| side.div_ceil(8));
+    let rates = |layer: u32| {
+        let away = move |x: u32, y: u32| x.abs_diff(tiles[0] / 3 + layer) + y.abs_diff(tiles[1] / 2);
+        let tile = move |x, y| VULKAN_RATES[6usize.saturating_sub(away(x, y) as usize / 2)].texel();
+        (0..tiles[1]).flat_map(move |y| (0..tiles[0]).map(move |x| tile(x, y))).collect::<Vec<u8>>()
+    };
+    let layers = [rates(0), rates(1)];
+    let mut mask = Mask::new(extent, 2);
+    let views: Vec<_> = (0..)
+        .zip(&layers)
+        .map(|(layer, rates)| {
+            let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: tiles[0], rates };
+            MaskView { layer, offset: [0; 2], extent, tiles }
+        })
+        .collect();
+    mask.resolve(&views);
+    mask
+}
+
+/// Motion, masks and indices beside colour, of each size of texels: all bits as in the reference.
+#[test]
+fn colour_that_is_not_interpolated_is_filled_as_in_the_reference() {
+    let vulkan = Vulkan::at(vk::API_VERSION_1_1);
+    let kernels = MaskKernels::new(&vulkan.gpu).unwrap();
+    let size = [131, 117];
+    let [width, height] = size;
+    let extent = vk::Extent2D { width, height };
+    let mask = rings(size);
+    let list = SkipBuffer::new(&vulkan.gpu, mask.list().len(), mask.list()).unwrap();
+    for format in [
+        vk::Format::R8_UNORM,
+        vk::Format::R8G8_UNORM,
+        vk::Format::R16_SFLOAT,
+        vk::Format::R16G16_SFLOAT,
+        vk::Format::R8G8B8A8_SNORM,
+        vk::Format::R32_UINT,
+        vk::Format::R16G16B16A16_UINT,
+        vk::Format::R32G32_SFLOAT,
+        vk::Format::R32G32B32A32_SFLOAT,
+    ] {
+        let Some(FillKind::Nearest(texel)) = FillKind::of(format, vk::SampleCountFlags::TYPE_1) else {
+            panic!("{format:?} is not copied");
+        };
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | USAGE;
+        let image = vulkan.image(vk::ImageCreateFlags::empty(), format, extent, 2, usage);
+        let length = width * height * texel;
+        let layers = [0u32, 1].map(|layer| -> Vec<u8> {
+            let noise = |byte: u32| (byte.wrapping_add(layer << 24).wrapping_mul(2_654_435_761) >> 13) as u8;
+            (0..length).map(noise).collect()
+        });
+        let at = |layer: usize| Layer { image, layer: layer as u32, extent };
+        for (layer, bytes) in layers.iter().enumerate() {
+            vulkan.upload(at(layer), bytes);
+        }
+        let fill = ColorFill::new(&vulkan.gpu, &kernels, format, (size, 2), &list).unwrap();
+        let aspects = vk::ImageAspectFlags::COLOR;
+        let part = ImagePart { image, aspects, level: 0, first_layer: 0, layers: 2 };
+        vulkan.run(|commands| {
+            // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+            let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
+            fill.record(&commands, (&kernels, &list), part, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+        });
+        let params = NearestParams::of_texels(size, texel).unwrap();
+        let row = params.row_words as usize * 4;
+        let mut expected = vec![0u32; 2 * params.layer_words as usize];
+        let rows = layers.iter().flat_map(|layer| layer.chunks_exact((width * texel) as usize));
+        for (to, from) in bytemuck::cast_slice_mut::<_, u8>(&mut expected).chunks_exact_mut(row).zip(rows) {
+            to[..from.len()].copy_from_slice(from);
+        }
+        nearest::fill(&mut expected, &params, mask.list());
+        let expected: &[u8] = bytemuck::cast_slice(&expected);
+        for (index, before) in layers.iter().enumerate() {
+            let after = vulkan.download(at(index), texel as usize);
+            assert_ne!(before, &after, "{format:?}: nothing was done");
+            let rows = expected.chunks_exact(row).skip(index * height as usize);
+            for (y, (found, expected)) in after.chunks_exact((width * texel) as usize).zip(rows).enumerate() {
+                assert!(found == &expected[..found.len()], "{format:?}: layer {index}, row {y}");
             }
         }
     }
