@@ -9,6 +9,7 @@ pub mod capabilities;
 pub mod commands;
 pub mod create;
 pub mod framebuffer;
+mod full_rate;
 pub mod image;
 mod images;
 pub mod memory;

@@ -1,11 +1,10 @@
 //! The creation of shader modules and graphics pipelines.
 
 use super::attach::RateAttachments;
-use super::pipeline::{PipelineRate, has_alpha_to_coverage, with_rates};
+use super::full_rate::causes;
+use super::pipeline::{PipelineRate, with_rates};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
-use crate::status::{Topic, decided};
-use crate::vk::shaders::Effects;
 use ash::vk;
 
 impl RateAttachments {
@@ -42,18 +41,19 @@ impl RateAttachments {
         // SAFETY: valid usage demands so many structures.
         let asked = unsafe { slice(infos, count) };
         let amended = asked.iter().map(|info| {
-            let effects = |stage: &vk::PipelineShaderStageCreateInfo<'_>| {
-                // SAFETY: valid usage demands valid stages.
-                let effects = unsafe { self.modules.effects(stage) };
-                list_discarding_draws(effects.discards && effects != Effects::UNKNOWN);
-                effects
-            };
-            // SAFETY: valid usage demands a valid structure.
-            list_discarding_draws(unsafe { has_alpha_to_coverage(info) });
+            // SAFETY: valid usage demands valid stages.
+            let effects =
+                |stage: &vk::PipelineShaderStageCreateInfo<'_>| unsafe { self.modules.effects(stage) };
             let linked = |library| self.pipelines.get(library);
             let is_left_alone = |pass| pass != vk::RenderPass::null() && self.leaves_alone(pass);
             // SAFETY: the structure is valid, and its chain the call's for its duration.
-            unsafe { with_rates(info, &self.capabilities, effects, linked, is_left_alone, &mut copies) }
+            unsafe {
+                let causes = causes(info, &self.capabilities.limits, effects);
+                let every_pixel = causes.are_any();
+                let (amended, rate) =
+                    with_rates(info, &self.capabilities, every_pixel, linked, is_left_alone, &mut copies);
+                (amended, (rate, causes))
+            }
         });
         let (amended, rates): (Vec<_>, Vec<_>) = amended.unzip();
         // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
@@ -86,21 +86,16 @@ impl RateAttachments {
             }
             return result;
         }
-        for (&pipeline, rate) in pipelines.iter().zip(rates) {
-            if pipeline != vk::Pipeline::null() && rate != PipelineRate::Fixed {
+        for (&pipeline, (rate, causes)) in pipelines.iter().zip(rates) {
+            if pipeline == vk::Pipeline::null() {
+                continue;
+            }
+            causes.list();
+            if rate != PipelineRate::Fixed {
                 self.pipelines.insert(pipeline, rate);
             }
         }
         result
-    }
-}
-
-/// Lists once that an application has draws with holes, which stay at 1x1.
-pub(super) fn list_discarding_draws(has_holes: bool) {
-    if has_holes {
-        let line = "draws with alpha test (discard) or alpha to coverage: shaded at 1x1, as one decision for a coarse fragment \
-                    shows as a block";
-        decided(Topic::FullRate, &line);
     }
 }
 

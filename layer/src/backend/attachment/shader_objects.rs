@@ -5,12 +5,12 @@
 //! fragment shader is enough.
 
 use super::attach::RateAttachments;
-use super::capabilities::needs_every_pixel;
 use super::commands::SetRate;
-use super::pipelines::{list_discarding_draws, may_be_ours};
+use super::full_rate::Causes;
+use super::pipelines::may_be_ours;
 use crate::abi::copies::slice;
 use crate::gpu::GpuError;
-use crate::vk::shaders::{Effects, effects_of_object as effects};
+use crate::vk::shaders::effects_of_object as effects;
 use ash::vk;
 
 impl RateAttachments {
@@ -63,9 +63,9 @@ impl RateAttachments {
         for (info, &shader) in asked.iter().zip(shaders) {
             if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
                 // SAFETY: valid usage demands valid structures.
-                let effects = unsafe { effects(info) };
-                list_discarding_draws(effects.discards && effects != Effects::UNKNOWN);
-                self.shader_objects.insert(shader, needs_every_pixel(effects));
+                let causes = Causes::of_shader(unsafe { effects(info) });
+                causes.list();
+                self.shader_objects.insert(shader, causes.are_any());
             }
         }
         result

@@ -7,22 +7,31 @@ use super::*;
 fn created(amended: vk::Result, plain: vk::Result) -> (vk::Result, [u64; 2], Vec<String>, bool) {
     with_device(|device| {
         pipelines::answer(amended, plain);
-        let infos = [vk::GraphicsPipelineCreateInfo::default(); 2];
-        let mut made = [vk::Pipeline::null(); 2];
-        let function = device_function(device, c"vkCreateGraphicsPipelines");
-        // SAFETY: the name gives the type, and the stand-in looks at the flags alone.
-        let result = unsafe {
-            transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCreateGraphicsPipelines>(function)(
-                device,
-                vk::PipelineCache::null(),
-                2,
-                infos.as_ptr(),
-                null(),
-                made.as_mut_ptr(),
-            )
-        };
-        (result, made.map(Handle::as_raw), pipelines::seen(), attaches(device))
+        let (result, made) = create(device, [vk::GraphicsPipelineCreateInfo::default(); 2]);
+        (result, made, pipelines::seen(), attaches(device))
     })
+}
+
+/// The result for pipelines, and their handles.
+fn create<const N: usize>(
+    device: vk::Device,
+    infos: [vk::GraphicsPipelineCreateInfo<'_>; N],
+) -> (vk::Result, [u64; N]) {
+    // As a driver leaves it to the application.
+    let mut made = [vk::Pipeline::from_raw(0xbad); N];
+    let function = device_function(device, c"vkCreateGraphicsPipelines");
+    // SAFETY: the name gives the type; the structures are valid as far as layer and stand-in look at them.
+    let result = unsafe {
+        transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCreateGraphicsPipelines>(function)(
+            device,
+            vk::PipelineCache::null(),
+            N as u32,
+            infos.as_ptr(),
+            null(),
+            made.as_mut_ptr(),
+        )
+    };
+    (result, made.map(Handle::as_raw))
 }
 
 fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
@@ -75,6 +84,29 @@ fn positive_results_are_not_retried() {
         let (result, made, seen, attaches) = created(answer, SUCCESS);
         assert_eq!((result, made, attaches), (answer, [1, 0], true));
         assert_eq!(seen, ["amended 2"]);
+    }
+}
+
+/// `parafovea status` and the log name the cause of draws at full rate.
+#[test]
+fn causes_of_full_rate_are_decisions() {
+    with_device(|device| {
+        pipelines::answer(SUCCESS, SUCCESS);
+        let stages = [vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::FRAGMENT)
+            .name(c"main")];
+        let samples = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1)
+            .sample_shading_enable(true);
+        let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).multisample_state(&samples);
+        let (result, made) = create(device, [info]);
+        assert_eq!((result, made), (SUCCESS, [1]));
+    });
+    let decisions = crate::status::all_decisions();
+    for draws in ["fragment shaders of unknown code", "shading per sample"] {
+        let line = format!("draws with {draws}: shaded at 1x1, as ");
+        let found = decisions.iter().find(|decision| decision.line.starts_with(&line));
+        assert_eq!(found.map(|found| found.topic.reason()), Some(draws));
     }
 }
 
