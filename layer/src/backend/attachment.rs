@@ -15,6 +15,7 @@ mod images;
 pub mod memory;
 pub mod pipeline;
 pub mod pipelines;
+mod refused;
 pub mod render_pass;
 pub mod rendering;
 pub mod shader_objects;

@@ -20,7 +20,7 @@ use crate::vk::table::Table;
 use ash::vk;
 use parafovea_manifest::quirks::Effect;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// The rate attachments of a device.
 pub struct RateAttachments {
@@ -43,7 +43,7 @@ pub struct RateAttachments {
     /// Whether the rate of a pipeline may have to be set when it is bound.
     pub sets_rates_at_bind: bool,
     /// Whether dynamic rendering gets no attachments any more.
-    rendering_is_left_alone: AtomicBool,
+    pub(super) rendering_is_left_alone: AtomicBool,
     /// Whether dynamic rendering gets an attachment only where its target was recognised as the scene and rates are on, and render passes only in
     /// subpasses with depth.
     attaches_only_matched: bool,
@@ -95,17 +95,6 @@ impl RateAttachments {
             rendering_is_left_alone: AtomicBool::new(false),
             attaches_only_matched: quirks.has(Effect::AttachOnlyMatched),
         })
-    }
-
-    /// From now on dynamic rendering gets no attachments: there are pipelines or shaders that may not be used with them
-    /// (VUID-vkCmdDraw-imageView-06183).
-    pub(super) fn leave_rendering_alone(&self) {
-        self.rendering_is_left_alone.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether dynamic rendering gets attachments.
-    pub fn attaches_to_rendering(&self) -> bool {
-        !self.rendering_is_left_alone.load(Ordering::Relaxed)
     }
 
     /// `vkCreateRenderPass`: as one of the second version with rates, or else as the application asks.

@@ -3,6 +3,7 @@
 use super::attach::RateAttachments;
 use super::full_rate::causes;
 use super::pipeline::{PipelineRate, with_rates};
+use super::refused::{create_amended, may_be_ours};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
 use ash::vk;
@@ -18,8 +19,8 @@ impl RateAttachments {
         self.pipelines.get(pipeline)
     }
 
-    /// `vkCreateGraphicsPipelines`, amended for rate attachments. If that fails, the call is repeated as
-    /// the application made it, for all of its pipelines: that keeps the specification's rules on early returns and
+    /// `vkCreateGraphicsPipelines`, amended for rate attachments. If that fails, for want of memory twice, the
+    /// call is repeated as the application made it, for all of its pipelines: that keeps the specification's rules on early returns and
     /// pipelines derived from others in the same call.
     ///
     /// # Safety
@@ -56,36 +57,41 @@ impl RateAttachments {
             }
         });
         let (amended, rates): (Vec<_>, Vec<_>) = amended.unzip();
-        // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
-        let result = unsafe { next(device, cache, count, amended.as_ptr(), allocator, made) };
-        // SAFETY: the call has written so many handles, null for pipelines that failed.
-        let pipelines = unsafe { slice(made.cast_const(), count) };
-        if may_be_ours(result) {
-            // Structures of the application that were amended in place become its own again.
-            drop((amended, copies));
-            GpuError::Call { call: "vkCreateGraphicsPipelines", result }
-                .log("pipelines stay unchanged, at 1x1");
-            for &pipeline in pipelines {
+        let discard = || {
+            // SAFETY: the call has written so many handles, null for pipelines that failed.
+            for &pipeline in unsafe { slice(made.cast_const(), count) } {
                 if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
                     // SAFETY: it was just made with this allocator, and no other code has its handle.
                     unsafe { destroy(device, pipeline, allocator) };
                 }
             }
+        };
+        let first = amended.as_ptr();
+        // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
+        let create = || unsafe { next(device, cache, count, first, allocator, made) };
+        let result = create_amended(create, discard);
+        if may_be_ours(result) {
+            // Structures of the application that were amended in place become its own again.
+            drop((amended, copies));
+            GpuError::Call { call: "vkCreateGraphicsPipelines", result }
+                .log("pipelines stay unchanged, at 1x1");
             // SAFETY: the application's own arguments.
-            let result = unsafe { next(device, cache, count, infos, allocator, made) };
+            let plain = unsafe { next(device, cache, count, infos, allocator, made) };
             let is_in_rendering =
                 |info: &vk::GraphicsPipelineCreateInfo<'_>| info.render_pass == vk::RenderPass::null();
-            // SAFETY: as above.
+            // SAFETY: as above, the call has written so many handles.
             let pipelines = unsafe { slice(made.cast_const(), count) };
             if asked
                 .iter()
                 .zip(pipelines)
                 .any(|(info, made)| is_in_rendering(info) && *made != vk::Pipeline::null())
             {
-                self.leave_rendering_alone();
+                self.leave_rendering_alone("pipelines", result);
             }
-            return result;
+            return plain;
         }
+        // SAFETY: as above.
+        let pipelines = unsafe { slice(made.cast_const(), count) };
         for (&pipeline, (rate, causes)) in pipelines.iter().zip(rates) {
             if pipeline == vk::Pipeline::null() {
                 continue;
@@ -97,10 +103,4 @@ impl RateAttachments {
         }
         result
     }
-}
-
-/// Whether a creation may have failed because of our additions, so that it is worth repeating without them. Positive
-/// codes are not failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
-pub(super) fn may_be_ours(result: vk::Result) -> bool {
-    result.as_raw() < 0 && result != vk::Result::ERROR_DEVICE_LOST
 }

@@ -13,7 +13,7 @@ fn created(amended: vk::Result, plain: vk::Result) -> (vk::Result, [u64; 2], Vec
 }
 
 /// The result for pipelines, and their handles.
-fn create<const N: usize>(
+pub(super) fn create<const N: usize>(
     device: vk::Device,
     infos: [vk::GraphicsPipelineCreateInfo<'_>; N],
 ) -> (vk::Result, [u64; N]) {
@@ -34,7 +34,7 @@ fn create<const N: usize>(
     (result, made.map(Handle::as_raw))
 }
 
-fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
+pub(super) fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
     rates::capabilities(true, false);
     let instance = new_instance(Some(vk::API_VERSION_1_1));
     let device = new_device(instance);
@@ -62,12 +62,67 @@ fn pipelines_that_are_taken_are_made_once() {
 
 #[test]
 fn pipelines_that_are_refused_are_made_as_the_application_asks() {
-    for refused in [vk::Result::ERROR_UNKNOWN, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY] {
-        let (result, made, seen, attaches) = created(refused, SUCCESS);
-        assert_eq!((result, made), (SUCCESS, [1, 2]));
-        assert_eq!(seen, ["amended 2", "destroy 1", "plain 2"], "nothing is leaked");
-        assert!(!attaches, "such pipelines may not be used with an attachment");
+    let (result, made, seen, attaches) = created(vk::Result::ERROR_UNKNOWN, SUCCESS);
+    assert_eq!((result, made), (SUCCESS, [1, 2]));
+    assert_eq!(seen, ["amended 2", "destroy 1", "plain 2"], "nothing is leaked");
+    assert!(!attaches, "such pipelines may not be used with an attachment");
+    let line = "dynamic rendering: shaded at 1x1 until a restart of the application, as the driver creates pipelines only \
+                without shading rates: ERROR_UNKNOWN";
+    assert!(crate::status::all_decisions().iter().any(|decision| decision.line == line));
+}
+
+/// A passing want of memory leaves no trace; one that lasts with the additions alone counts as a refusal.
+#[test]
+fn a_creation_without_memory_is_repeated_with_rates() {
+    for lack in [vk::Result::ERROR_OUT_OF_HOST_MEMORY, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY] {
+        pipelines::answer_first(lack);
+        let (result, made, seen, attaches) = created(SUCCESS, SUCCESS);
+        assert_eq!((result, made, attaches), (SUCCESS, [1, 2], true), "{lack:?}");
+        assert_eq!(seen, ["amended 2", "destroy 1", "amended 2"], "{lack:?}");
+        pipelines::answer_first(lack);
+        let (result, made, _, attaches) = created(vk::Result::PIPELINE_COMPILE_REQUIRED_EXT, SUCCESS);
+        let expected = (vk::Result::PIPELINE_COMPILE_REQUIRED_EXT, [1, 0], true);
+        assert_eq!((result, made, attaches), expected, "{lack:?}");
+        let (result, made, seen, attaches) = created(lack, SUCCESS);
+        assert_eq!((result, made, attaches), (SUCCESS, [1, 2], false), "{lack:?}");
+        assert_eq!(seen, ["amended 2", "destroy 1", "amended 2", "destroy 1", "plain 2"], "{lack:?}");
     }
+}
+
+/// The driver has no memory for such pipelines in any way.
+#[test]
+fn pipelines_that_fail_without_rates_too_change_nothing() {
+    let lack = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+    with_device(|device| {
+        pipelines::answer(lack, lack);
+        let (result, made) = create(device, [vk::GraphicsPipelineCreateInfo::default()]);
+        assert_eq!((result, made, attaches(device)), (lack, [0], true));
+        assert_eq!(pipelines::seen(), ["amended 1", "amended 1", "plain 1"]);
+    });
+}
+
+/// The flag is for fragment shaders alone: others fail for reasons of their own.
+#[test]
+fn shaders_without_the_flag_are_made_once() {
+    with_device(|device| {
+        let lack = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+        pipelines::answer(SUCCESS, lack);
+        let info = vk::ShaderCreateInfoEXT::default().stage(vk::ShaderStageFlags::VERTEX);
+        let mut made = [vk::ShaderEXT::null(); 2];
+        let function = device_function(device, c"vkCreateShadersEXT");
+        // SAFETY: the name gives the type, and the stand-in looks at the flags alone.
+        let result = unsafe {
+            transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCreateShadersEXT>(function)(
+                device,
+                2,
+                [info; 2].as_ptr(),
+                null(),
+                made.as_mut_ptr(),
+            )
+        };
+        assert_eq!((result, made.map(Handle::as_raw), attaches(device)), (lack, [1, 0], true));
+        assert_eq!(pipelines::seen(), ["plain 2"]);
+    });
 }
 
 #[test]

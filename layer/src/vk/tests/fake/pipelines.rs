@@ -6,12 +6,18 @@ use std::ffi::CStr;
 
 thread_local! {
     static ANSWERS: Cell<[vk::Result; 2]> = const { Cell::new([vk::Result::SUCCESS; 2]) };
+    static FIRST: Cell<Option<vk::Result>> = const { Cell::new(None) };
     static SEEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
 /// From now on, creation on this thread returns the first result with the additions for rate attachments, and the second without.
 pub fn answer(amended: vk::Result, plain: vk::Result) {
     ANSWERS.set([amended, plain]);
+}
+
+/// The next creation on this thread with the additions for rate attachments, and no other, returns this result.
+pub fn answer_first(amended: vk::Result) {
+    FIRST.set(Some(amended));
 }
 
 /// Creations and destructions on this thread since the last call.
@@ -42,7 +48,7 @@ pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
 /// There is room for that many handles.
 unsafe fn create<H: Handle>(is_amended: bool, count: u32, made: *mut H) -> vk::Result {
     let [amended, plain] = ANSWERS.get();
-    let answer = if is_amended { amended } else { plain };
+    let answer = if is_amended { FIRST.take().unwrap_or(amended) } else { plain };
     SEEN.with_borrow_mut(|seen| {
         seen.push(format!("{} {count}", if is_amended { "amended" } else { "plain" }));
     });
