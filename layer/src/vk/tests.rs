@@ -1,5 +1,6 @@
 //! The Vulkan half above a stand-in for the layer below, called as a loader calls it.
 
+mod by_identifier;
 mod ends;
 mod fake;
 mod memory_model;

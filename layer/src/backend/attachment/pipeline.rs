@@ -2,7 +2,7 @@
 
 use super::capabilities::RateCapabilities;
 use crate::abi::copies::{Copies, find, slice};
-use crate::vk::shaders::parts::{Parts, dynamic_states, is_discarded, libraries, own_parts};
+use crate::vk::shaders::parts::{Parts, dynamic_states, flags, is_discarded, libraries, own_parts};
 use ash::vk;
 
 /// The rate of a pipeline, after our additions.
@@ -127,8 +127,7 @@ const FLAG2: vk::PipelineCreateFlags2KHR = vk::PipelineCreateFlags2KHR::from_raw
 /// As for [`with_rates`].
 unsafe fn has_flag(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
     // SAFETY: the chain is valid, as `# Safety` demands.
-    let flags2 = unsafe { find::<vk::PipelineCreateFlags2CreateInfoKHR<'_>>(info.p_next) };
-    flags2.map_or(info.flags.contains(FLAG), |flags2| flags2.flags.contains(FLAG2))
+    unsafe { flags(info) }.contains(FLAG2)
 }
 
 /// The flags and the chain with `VK_PIPELINE_CREATE_RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_BIT_KHR`: a chained

@@ -32,6 +32,10 @@ pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
         b"vkDestroyPipeline" => destroy_pipeline as vk::PFN_vkDestroyPipeline as *const (),
         b"vkCreateShadersEXT" => create_shaders as vk::PFN_vkCreateShadersEXT as *const (),
         b"vkDestroyShaderEXT" => destroy_shader as vk::PFN_vkDestroyShaderEXT as *const (),
+        b"vkCreateShaderModule" => create_module as vk::PFN_vkCreateShaderModule as *const (),
+        b"vkGetShaderModuleIdentifierEXT" => {
+            identify_module as vk::PFN_vkGetShaderModuleIdentifierEXT as *const ()
+        }
         b"vkGetShaderModuleCreateInfoIdentifierEXT" => {
             identify as vk::PFN_vkGetShaderModuleCreateInfoIdentifierEXT as *const ()
         }
@@ -107,21 +111,57 @@ unsafe extern "system" fn create_shaders(
     unsafe { create((*infos).flags.contains(flag), count, made) }
 }
 
-/// The identifier of every module of the stand-in's.
+/// The identifier of code that comes without a module.
 pub const IDENTIFIER: &[u8] = b"of the stand-in";
+
+/// The identifier of such code of zeros, which is none.
+pub const OF_ZEROS: &[u8] = b"of zeros";
+
+/// The identifier of every module.
+pub const OF_MODULE: &[u8] = b"of a module";
+
+/// # Safety
+///
+/// As the call.
+unsafe extern "system" fn create_module(
+    _: vk::Device,
+    _: *const vk::ShaderModuleCreateInfo<'_>,
+    _: *const vk::AllocationCallbacks<'_>,
+    module: *mut vk::ShaderModule,
+) -> vk::Result {
+    // SAFETY: valid usage.
+    unsafe { module.write(vk::ShaderModule::from_raw(1)) };
+    vk::Result::SUCCESS
+}
+
+/// # Safety
+///
+/// As the call.
+unsafe extern "system" fn identify_module(
+    _: vk::Device,
+    _: vk::ShaderModule,
+    identifier: *mut vk::ShaderModuleIdentifierEXT<'_>,
+) {
+    // SAFETY: valid usage.
+    write_identifier(OF_MODULE, unsafe { &mut *identifier });
+}
+
+fn write_identifier(bytes: &[u8], identifier: &mut vk::ShaderModuleIdentifierEXT<'_>) {
+    identifier.identifier_size = bytes.len() as u32;
+    identifier.identifier[..bytes.len()].copy_from_slice(bytes);
+}
 
 /// # Safety
 ///
 /// As the call.
 unsafe extern "system" fn identify(
     _: vk::Device,
-    _: *const vk::ShaderModuleCreateInfo<'_>,
+    info: *const vk::ShaderModuleCreateInfo<'_>,
     identifier: *mut vk::ShaderModuleIdentifierEXT<'_>,
 ) {
-    // SAFETY: valid usage.
-    let identifier = unsafe { &mut *identifier };
-    identifier.identifier_size = IDENTIFIER.len() as u32;
-    identifier.identifier[..IDENTIFIER.len()].copy_from_slice(IDENTIFIER);
+    // SAFETY: valid usage, with at least one word of code.
+    let (first, identifier) = unsafe { (*(*info).p_code, &mut *identifier) };
+    write_identifier(if first == 0 { OF_ZEROS } else { IDENTIFIER }, identifier);
 }
 
 /// # Safety
