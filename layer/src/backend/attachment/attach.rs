@@ -27,6 +27,8 @@ pub struct RateAttachments {
     /// Their capabilities.
     pub capabilities: RateCapabilities,
     is_cpu: bool,
+    /// Whether stores of a fragment shader alone do not keep it at 1x1 (`rates.coarse_stores`).
+    pub(super) coarse_stores: bool,
     /// The images that are attached.
     pub images: RateImages,
     /// The render passes to which rates were added.
@@ -67,7 +69,12 @@ impl RateAttachments {
     /// # Safety
     ///
     /// The record is of a live device, which has the extensions and features in `enabled`.
-    pub unsafe fn on(record: &DeviceRecord, enabled: Enabled, is_cpu: bool) -> Option<Self> {
+    pub unsafe fn on(
+        record: &DeviceRecord,
+        enabled: Enabled,
+        is_cpu: bool,
+        coarse_stores: bool,
+    ) -> Option<Self> {
         // SAFETY: the record is of a live device, as `# Safety` demands.
         let images = unsafe { RateImages::of_device(record, &enabled) };
         let images = images.inspect_err(|reason| tracing::info!("no rate attachments: {reason}")).ok()?;
@@ -84,6 +91,7 @@ impl RateAttachments {
         Some(Self {
             capabilities,
             is_cpu,
+            coarse_stores,
             images,
             passes: Table::default(),
             framebuffers: Table::default(),

@@ -65,7 +65,7 @@ impl Cause {
             }
             Self::Stores => (
                 "fragment shaders that write to buffers or images, or use atomics",
-                "as a coarse fragment writes once for all of its pixels",
+                "as a coarse fragment writes once for all of its pixels; rates.coarse_stores = true allows that",
             ),
             Self::Interlock => {
                 ("fragment shader interlock", "as a coarse fragment has one turn for all of its pixels")
@@ -173,11 +173,11 @@ pub unsafe fn causes(
     effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
 ) -> Causes {
     // SAFETY: the structure is valid, as `# Safety` demands.
-    let own = unsafe { own_parts(info) };
-    // SAFETY: as above.
-    if !own.intersects(Parts::FRAGMENT_SHADER | Parts::FRAGMENT_OUTPUT_INTERFACE)
-        || unsafe { is_discarded(info, own) }
-    {
+    let (own, is_discarded) = unsafe {
+        let own = own_parts(info);
+        (own, is_discarded(info, own))
+    };
+    if is_discarded || !own.intersects(Parts::FRAGMENT_SHADER | Parts::FRAGMENT_OUTPUT_INTERFACE) {
         return Causes::default();
     }
     // SAFETY: as above: multisample state is of these parts, and not ignored, as the pipeline rasterises.

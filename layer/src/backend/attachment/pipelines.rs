@@ -6,6 +6,7 @@ use super::pipeline::{PipelineRate, with_rates};
 use super::refused::{create_amended, may_be_ours};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
+use crate::vk::shaders::Effects;
 use ash::vk;
 
 impl RateAttachments {
@@ -17,6 +18,12 @@ impl RateAttachments {
     /// The rate to set when a pipeline is bound, or the application's for it; `None` where its rate is its own.
     pub fn pipeline_rate(&self, pipeline: vk::Pipeline) -> Option<PipelineRate> {
         self.pipelines.get(pipeline)
+    }
+
+    /// Effects of a fragment shader, without those that the configuration allows at coarse rates.
+    pub(super) fn counted(&self, effects: Effects) -> Effects {
+        let is_allowed = self.coarse_stores && effects != Effects::UNKNOWN;
+        Effects { stores: effects.stores && !is_allowed, ..effects }
     }
 
     /// `vkCreateGraphicsPipelines`, amended for rate attachments. If that fails, for want of memory twice, the
@@ -43,8 +50,9 @@ impl RateAttachments {
         let asked = unsafe { slice(infos, count) };
         let amended = asked.iter().map(|info| {
             // SAFETY: valid usage demands valid stages.
-            let effects =
-                |stage: &vk::PipelineShaderStageCreateInfo<'_>| unsafe { self.modules.effects(stage) };
+            let effects = |stage: &vk::PipelineShaderStageCreateInfo<'_>| unsafe {
+                self.counted(self.modules.effects(stage))
+            };
             let linked = |library| self.pipelines.get(library);
             let is_left_alone = |pass| pass != vk::RenderPass::null() && self.leaves_alone(pass);
             // SAFETY: the structure is valid, and its chain the call's for its duration.

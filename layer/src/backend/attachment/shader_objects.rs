@@ -70,7 +70,7 @@ impl RateAttachments {
         for (info, &shader) in asked.iter().zip(shaders) {
             if is_made(info, shader) {
                 // SAFETY: valid usage demands valid structures.
-                let causes = Causes::of_shader(unsafe { effects(info) });
+                let causes = Causes::of_shader(self.counted(unsafe { effects(info) }));
                 causes.list();
                 self.shader_objects.insert(shader, causes.are_any());
             }

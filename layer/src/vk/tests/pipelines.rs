@@ -2,6 +2,7 @@
 
 use super::fake::{pipelines, rates};
 use super::*;
+use crate::vk::shaders::effects::tests::{plain_shader, storing_shader};
 
 /// The outcome of two pipelines, the calls that reached the driver, and whether dynamic rendering still gets attachments.
 fn created(amended: vk::Result, plain: vk::Result) -> (vk::Result, [u64; 2], Vec<String>, bool) {
@@ -165,10 +166,37 @@ fn causes_of_full_rate_are_decisions() {
     }
 }
 
+/// As in materials with virtual textures.
+#[test]
+fn shaders_that_store_are_coarse_if_the_configuration_allows_it() {
+    let rated = |code: &[u32], coarse_stores: bool| {
+        COARSE_STORES.set(coarse_stores);
+        with_device(|device| {
+            pipelines::answer(SUCCESS, SUCCESS);
+            let mut code = vk::ShaderModuleCreateInfo::default().code(code);
+            let stages = [vk::PipelineShaderStageCreateInfo::default()
+                .stage(vk::ShaderStageFlags::FRAGMENT)
+                .name(c"main")
+                .push_next(&mut code)];
+            let (result, _) = create(device, [vk::GraphicsPipelineCreateInfo::default().stages(&stages)]);
+            assert_eq!(result, SUCCESS);
+            COARSE_STORES.set(false);
+            pipelines::combiners()
+        })
+    };
+    use vk::FragmentShadingRateCombinerOpKHR as Combiner;
+    let coarse = Some([Combiner::KEEP, Combiner::REPLACE]);
+    let [stores, stores_and_discards] = [false, true].map(storing_shader);
+    assert_eq!([false, true].map(|allows| rated(&stores, allows)), [None, coarse]);
+    assert_eq!([false, true].map(|allows| rated(&stores_and_discards, allows)), [None; 2], "other obstacles");
+    assert_eq!([false, true].map(|allows| rated(&plain_shader(), allows)), [coarse; 2]);
+    assert_eq!([false, true].map(|allows| rated(&[0; 8], allows)), [None; 2], "unknown code");
+}
+
 #[test]
 fn effects_are_kept_by_module_identifier() {
     with_device(|device| {
-        let code = crate::vk::shaders::effects::tests::plain_shader();
+        let code = plain_shader();
         let info = vk::ShaderModuleCreateInfo::default().code(&code);
         let mut identifier = vk::ShaderModuleIdentifierEXT::default();
         let function = device_function(device, c"vkGetShaderModuleCreateInfoIdentifierEXT");

@@ -1,5 +1,6 @@
 //! A driver that refuses pipelines and shaders with the additions for rate attachments.
 
+use crate::abi::copies::find;
 use ash::vk::{self, Handle};
 use std::cell::{Cell, RefCell};
 use std::ffi::CStr;
@@ -7,6 +8,7 @@ use std::ffi::CStr;
 thread_local! {
     static ANSWERS: Cell<[vk::Result; 2]> = const { Cell::new([vk::Result::SUCCESS; 2]) };
     static FIRST: Cell<Option<vk::Result>> = const { Cell::new(None) };
+    static COMBINERS: Cell<Option<[vk::FragmentShadingRateCombinerOpKHR; 2]>> = const { Cell::new(None) };
     static SEEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -18,6 +20,11 @@ pub fn answer(amended: vk::Result, plain: vk::Result) {
 /// The next creation on this thread with the additions for rate attachments, and no other, returns this result.
 pub fn answer_first(amended: vk::Result) {
     FIRST.set(Some(amended));
+}
+
+/// The combiners of the rate of the last call's first pipeline; `None` without a rate.
+pub fn combiners() -> Option<[vk::FragmentShadingRateCombinerOpKHR; 2]> {
+    COMBINERS.get()
 }
 
 /// Creations and destructions on this thread since the last call.
@@ -82,7 +89,11 @@ unsafe extern "system" fn create_pipelines(
 ) -> vk::Result {
     let flag = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
     // SAFETY: valid usage, with at least one structure.
-    unsafe { create((*infos).flags.contains(flag), count, made) }
+    unsafe {
+        let rate = find::<vk::PipelineFragmentShadingRateStateCreateInfoKHR<'_>>((*infos).p_next);
+        COMBINERS.set(rate.map(|rate| rate.combiner_ops));
+        create((*infos).flags.contains(flag), count, made)
+    }
 }
 
 /// # Safety
