@@ -1,7 +1,7 @@
 //! The creation of shader modules and graphics pipelines.
 
 use super::attach::RateAttachments;
-use super::full_rate::causes;
+use super::full_rate::{Causes, causes};
 use super::pipeline::{PipelineRate, with_rates};
 use super::refused::{create_amended, may_be_ours};
 use crate::abi::copies::{Copies, room, slice};
@@ -61,7 +61,8 @@ impl RateAttachments {
                 let every_pixel = causes.are_any();
                 let (amended, rate) =
                     with_rates(info, &self.capabilities, every_pixel, linked, is_left_alone, &mut copies);
-                (amended, (rate, causes))
+                // Without rates of ours in the pass, they have no consequence.
+                (amended, (rate, if is_left_alone(info.render_pass) { Causes::default() } else { causes }))
             }
         });
         let (amended, rates): (Vec<_>, Vec<_>) = amended.unzip();
