@@ -92,9 +92,7 @@ impl Cause {
             Self::PipelineMask => {
                 ("a sample mask of the pipeline", "as the device does not combine it with coarse rates")
             }
-            Self::Samples => {
-                ("many samples per pixel", "as the device does not shade so many samples coarsely")
-            }
+            Self::Samples => ("many samples per pixel", "as the device shades only fewer samples coarsely"),
             Self::SampleLocations => {
                 ("custom sample locations", "as the device does not combine them with coarse rates")
             }
@@ -110,7 +108,7 @@ impl Cause {
 pub struct Causes(u16);
 
 impl Causes {
-    /// Those in a fragment shader, whose effects count for each pixel.
+    /// Causes in a fragment shader: its effects that count for each pixel.
     ///
     /// Devices may shade coarsely with written depth and sample masks, but no application expects the result: one depth for a block fails an
     /// EQUAL test against a pre-pass (Direct3D 12 shades such shaders at 1x1: its VRS specification, "Export of Depth and Stencil"), and a
@@ -129,12 +127,12 @@ impl Causes {
             .with(Cause::ShaderMask, effects.uses_sample_mask)
     }
 
-    /// These, and one more if it `holds`.
+    /// The set with one more cause if it `holds`.
     pub fn with(self, cause: Cause, holds: bool) -> Self {
         Self(self.0 | if holds { cause.bit() } else { 0 })
     }
 
-    /// These and others.
+    /// The union of both sets.
     pub fn and(self, others: Self) -> Self {
         Self(self.0 | others.0)
     }
@@ -205,24 +203,26 @@ pub unsafe fn causes(
 ///
 /// The structure is valid, with multisample state that is not ignored.
 unsafe fn of_samples(info: &vk::GraphicsPipelineCreateInfo<'_>, limits: &Limits) -> Causes {
-    // SAFETY: the structure is valid, as `# Safety` demands; a mask has a bit for each sample, in words of 32.
-    unsafe {
-        let cuts_by_command = dynamic_states(info).contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT);
-        let causes = Causes::default().with(Cause::Holes, cuts_by_command);
-        let Some(state) = info.p_multisample_state.as_ref() else { return causes };
-        let samples = state.rasterization_samples.as_raw();
+    // SAFETY: the structure is valid, as `# Safety` demands.
+    let (states, state) = unsafe { (dynamic_states(info), info.p_multisample_state.as_ref()) };
+    let cuts_by_command = states.contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT);
+    let causes = Causes::default().with(Cause::Holes, cuts_by_command);
+    let Some(state) = state else { return causes };
+    let samples = state.rasterization_samples.as_raw();
+    // SAFETY: as above; a mask has a bit for each sample, in words of 32.
+    let (mask, locations) = unsafe {
         let mask = slice(state.p_sample_mask, samples.div_ceil(32));
-        let all = if samples >= 32 { u32::MAX } else { (1 << samples) - 1 };
-        let is_masked = mask.iter().any(|word| word & all != all);
-        let locations = find::<vk::PipelineSampleLocationsStateCreateInfoEXT<'_>>(state.p_next);
-        let has_locations = locations.is_some_and(|locations| locations.sample_locations_enable == vk::TRUE);
-        causes
-            .with(Cause::PerSample, state.sample_shading_enable == vk::TRUE)
-            .with(Cause::Holes, state.alpha_to_coverage_enable == vk::TRUE)
-            .with(Cause::Samples, state.rasterization_samples > limits.samples)
-            .with(Cause::PipelineMask, is_masked && !limits.sample_mask)
-            .with(Cause::SampleLocations, has_locations && !limits.custom_sample_locations)
-    }
+        (mask, find::<vk::PipelineSampleLocationsStateCreateInfoEXT<'_>>(state.p_next))
+    };
+    let all = if samples >= 32 { u32::MAX } else { (1 << samples) - 1 };
+    let is_masked = mask.iter().any(|word| word & all != all);
+    let has_locations = locations.is_some_and(|locations| locations.sample_locations_enable == vk::TRUE);
+    causes
+        .with(Cause::PerSample, state.sample_shading_enable == vk::TRUE)
+        .with(Cause::Holes, state.alpha_to_coverage_enable == vk::TRUE)
+        .with(Cause::Samples, state.rasterization_samples > limits.samples)
+        .with(Cause::PipelineMask, is_masked && !limits.sample_mask)
+        .with(Cause::SampleLocations, has_locations && !limits.custom_sample_locations)
 }
 
 /// # Safety

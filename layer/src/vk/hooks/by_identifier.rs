@@ -81,7 +81,7 @@ fn may_be_coarse(known: &Device, info: &vk::GraphicsPipelineCreateInfo<'_>) -> b
     }
 }
 
-/// Writes to the feedback of a pipeline that is not created that it has none.
+/// Marks the feedback of a pipeline as invalid, as the pipeline is not created.
 ///
 /// # Safety
 ///
