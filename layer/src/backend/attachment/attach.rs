@@ -3,7 +3,7 @@
 use super::capabilities::RateCapabilities;
 use super::commands::SetRates;
 use super::create::Enabled;
-use super::framebuffer::{self, ImagelessRateAttachment};
+use super::framebuffer::{self, CreateFramebuffer, ImagelessRateAttachment};
 use super::image::{RateImage, RateImageKey, USAGE};
 use super::images::RateImages;
 use super::pipeline::PipelineRate;
@@ -389,14 +389,6 @@ impl Backend for Arc<RateAttachments> {
         Some(Box::new(self.images.of(key)?))
     }
 }
-
-/// The arguments of vkCreateFramebuffer.
-pub type CreateFramebuffer<'a> = (
-    vk::Device,
-    *const vk::FramebufferCreateInfo<'a>,
-    *const vk::AllocationCallbacks<'a>,
-    *mut vk::Framebuffer,
-);
 
 /// The arguments of vkCreateRenderPass and vkCreateRenderPass2.
 pub type CreateRenderPass<'a, I> =
