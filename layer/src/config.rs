@@ -5,7 +5,7 @@ mod chroma;
 mod debug_view;
 mod plan;
 
-pub use arming::{Arming, device_armed};
+pub use arming::{Arming, Demands, device_armed};
 pub use chroma::chroma_settings;
 pub use debug_view::debug_view;
 pub use parafovea_manifest::config::Config;

@@ -338,6 +338,8 @@ options! {
         silence: SilenceRule = SilenceRule::Contrast;
         /// Luminance of white in the headset, for modes that measure contrast.
         white_cd_m2: f32 = 100.0, 10.0..=2_500.0 "cd/m^2";
+        /// Permission to shade draws coarsely whose only obstacle is a fragment shader that writes to buffers or images, or uses atomics, as materials with virtual textures do in Unreal Engine. Each coarse fragment then writes once for all of its pixels, so that other uses may show holes. Has no effect on masks. After a change, restart the application.
+        coarse_stores: bool = false;
     }
 
     /// Temporal re-use: a periphery that is rendered less often, and reprojected in between.

@@ -117,7 +117,7 @@ pub enum Topic {
     NoMask,
     /// Nothing of the layer's work is visible.
     Unseen,
-    /// Draws in passes of the scene that stay at 1x1.
+    /// Draws in passes of the scene that stay at 1x1, for the decision's reason.
     FullRate,
     /// Images of earlier frames that passes read, so that nothing is re-used.
     Feedback,

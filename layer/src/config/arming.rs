@@ -37,15 +37,6 @@ impl Arming {
         }
     }
 
-    /// The demands of this process's configuration at this moment. A file with an error asks for the defaults, or for nothing if it has
-    /// `enabled = false`; the OpenXR half logs the error.
-    pub fn of_process(environment: &Environment) -> Self {
-        let application = application().clone();
-        let read = Watch::new(environment, application.as_deref(), &executable()).poll();
-        let read = read.unwrap_or_else(|| Ok(Config::default()));
-        Self::of(&read.unwrap_or_else(|errors| errors.at_start()))
-    }
-
     /// The arming of that number; `None` if there is none.
     pub fn from_number(number: u32) -> Option<Self> {
         [Self::Inert, Self::Pictures, Self::Masks, Self::Rates]
@@ -60,6 +51,30 @@ impl Arming {
             Self::Pictures => self != Self::Inert,
             Self::Masks | Self::Rates => self == wanted,
         }
+    }
+}
+
+/// All demands of a configuration on a new device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Demands {
+    /// The abilities.
+    pub arming: Arming,
+    /// `rates.coarse_stores`.
+    pub coarse_stores: bool,
+}
+
+impl Demands {
+    /// Of a device that stays as the application makes it.
+    pub const NOTHING: Self = Self { arming: Arming::Inert, coarse_stores: false };
+
+    /// The demands of this process's configuration at this moment. A file with an error asks for the defaults, or for nothing if it has
+    /// `enabled = false`; the OpenXR half logs the error.
+    pub fn of_process(environment: &Environment) -> Self {
+        let application = application().clone();
+        let read = Watch::new(environment, application.as_deref(), &executable()).poll();
+        let read = read.unwrap_or_else(|| Ok(Config::default()));
+        let config = read.unwrap_or_else(|errors| errors.at_start());
+        Self { arming: Arming::of(&config), coarse_stores: config.rates.coarse_stores }
     }
 }
 
@@ -140,12 +155,14 @@ mod tests {
         let file = folder.path().join("config.toml");
         let environment =
             Environment::new(false, |name| (name == "PARAFOVEA_CONFIG").then(|| file.clone().into()));
-        for (text, arming) in [
-            ("enabled = false\nof_a_later_version = 1\n", Arming::Inert),
-            ("of_a_later_version = 1\n", Arming::of(&Config::default())),
+        let default = Demands { arming: Arming::of(&Config::default()), coarse_stores: false };
+        for (text, demands) in [
+            ("enabled = false\nof_a_later_version = 1\n", Demands::NOTHING),
+            ("of_a_later_version = 1\n", default),
+            ("rates.coarse_stores = true\n", Demands { coarse_stores: true, ..default }),
         ] {
             std::fs::write(&file, text).unwrap();
-            assert_eq!(Arming::of_process(&environment), arming, "{text}");
+            assert_eq!(Demands::of_process(&environment), demands, "{text}");
         }
     }
 

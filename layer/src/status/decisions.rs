@@ -33,7 +33,7 @@ impl Decision {
             Topic::Mask => status::Topic::Mask,
             Topic::NoMask(_) => status::Topic::NoMask,
             Topic::Unseen => status::Topic::Unseen,
-            Topic::FullRate => status::Topic::FullRate,
+            Topic::FullRate(_) => status::Topic::FullRate,
             Topic::Feedback => status::Topic::Feedback,
         };
         status::Decision { topic, reason: self.topic.reason().to_owned(), line: self.line.clone() }
@@ -57,8 +57,8 @@ pub enum Topic {
     NoMask(String),
     /// Nothing of the layer's work is visible.
     Unseen,
-    /// Draws in passes of the scene that stay at 1x1.
-    FullRate,
+    /// Draws in passes of the scene that stay at 1x1, for this reason.
+    FullRate(String),
     /// Images of earlier frames that passes read.
     Feedback,
 }
@@ -74,7 +74,7 @@ impl Topic {
             Self::Mask => 4,
             Self::NoMask(_) => 5,
             Self::Unseen => 6,
-            Self::FullRate => 7,
+            Self::FullRate(_) => 7,
             Self::Feedback => 8,
         }
     }
@@ -82,14 +82,13 @@ impl Topic {
     /// The reason that it carries; empty for topics without one.
     pub fn reason(&self) -> &str {
         match self {
-            Self::NoMask(reason) => reason,
+            Self::NoMask(reason) | Self::FullRate(reason) => reason,
             Self::Quirk
             | Self::NoBackend
             | Self::Scene
             | Self::OtherPass
             | Self::Mask
             | Self::Unseen
-            | Self::FullRate
             | Self::Feedback => "",
         }
     }
@@ -104,7 +103,7 @@ impl Topic {
             4 => Self::Mask,
             5 => Self::NoMask(reason.to_owned()),
             6 => Self::Unseen,
-            7 => Self::FullRate,
+            7 => Self::FullRate(reason.to_owned()),
             8 => Self::Feedback,
             _ => return None,
         })
@@ -218,7 +217,7 @@ mod tests {
             Topic::Mask,
             no_mask,
             Topic::Unseen,
-            Topic::FullRate,
+            Topic::FullRate("it discards".to_owned()),
             Topic::Feedback,
         ];
         for topic in topics {

@@ -1,5 +1,6 @@
 //! Hooks of calls that create, destroy and describe objects: each calls the next layer, and tracks the outcome.
 
+mod by_identifier;
 pub mod descriptors;
 pub mod device;
 pub mod framebuffers;

@@ -10,4 +10,4 @@ pub mod spirv;
 
 pub use effects::{Effects, FragmentShaders};
 pub use known::KnownShaders;
-pub use modules::{ShaderModules, effects_of_object, read};
+pub use modules::{ShaderModules, effects_of_object, lacks_code, read};

@@ -1,5 +1,6 @@
 //! The Vulkan half above a stand-in for the layer below, called as a loader calls it.
 
+mod by_identifier;
 mod ends;
 mod fake;
 mod memory_model;
@@ -9,7 +10,7 @@ mod rates;
 
 use super::chain::NegotiateLayerInterface;
 use super::{LAYER_NAME, device, negotiate};
-use crate::config::Arming;
+use crate::config::{Arming, Demands};
 use crate::link::{DeviceRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable};
 use crate::vk::dispatch::proc_addr;
 use ash::vk::{self, Handle};
@@ -20,11 +21,12 @@ use std::ptr::{null, null_mut};
 
 thread_local! {
     static ARMING: Cell<Arming> = const { Cell::new(Arming::Rates) };
+    static COARSE_STORES: Cell<bool> = const { Cell::new(false) };
 }
 
 /// The configuration's demands on devices of this thread.
-pub fn arming() -> Arming {
-    ARMING.get()
+pub fn demands() -> Demands {
+    Demands { arming: ARMING.get(), coarse_stores: COARSE_STORES.get() }
 }
 
 /// A structure that this layer does not know.

@@ -68,6 +68,9 @@ fn main() -> ExitCode {
     let with_holes = WITH_HOLES
         .into_iter()
         .map(|case| trial(format!("{}, draws with holes", case.0), move || check_holes(case)));
+    let at_full_rate = AT_FULL_RATE
+        .into_iter()
+        .map(|case| trial(format!("{}, at full rate", case.0), move || check_full_rate(case)));
     let by_viewport = trial("viewport-scale, around the gaze", check_viewport_scale);
     let all = trials
         .chain([by_viewport])
@@ -75,7 +78,8 @@ fn main() -> ExitCode {
         .chain(left_alone)
         .chain(matched)
         .chain([off])
-        .chain(with_holes);
+        .chain(with_holes)
+        .chain(at_full_rate);
     libtest_mimic::run(&Arguments::from_args(), all.collect()).exit_code()
 }
 
@@ -203,6 +207,24 @@ fn check_holes((name, [draws, obeying]): (&str, [u32; 2])) -> Result<(), Failed>
     for pass in coarse {
         assert_eq!([pass.draws, pass.draws_obeying], [draws, obeying], "{pass:#?}");
     }
+    Ok(())
+}
+
+/// Styles with draws at full rate, and the cause in the log.
+const AT_FULL_RATE: [(&str, &str); 2] = [
+    ("frag-depth", "depth or stencil from the fragment shader"),
+    ("visibility", "integers in colour attachments"),
+];
+
+/// The log names the cause once, and causes of depth passes, which have no rates, never.
+fn check_full_rate((name, draws): (&str, &str)) -> Result<(), Failed> {
+    let style = parafovea_zoo::style(name).ok_or("no such style")?;
+    let outcome = run(style, SHARE, ShadingRateProfile::NvkTuring, FIXED_RINGS, SHARE.scenario())?;
+    skip_unless_run(&outcome);
+    let outcome = outcome.expect_frames(SHARE.frames)?;
+    let lines = |text: &str| outcome.log.matches(text).count();
+    let named = lines(&format!("draws with {draws}: shaded at 1x1, as "));
+    assert_eq!([named, lines(": shaded at 1x1, as ")], [1; 2], "{}", outcome.log);
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use super::capabilities::RateCapabilities;
 use super::commands::SetRates;
 use super::create::Enabled;
-use super::framebuffer::{self, ImagelessRateAttachment};
+use super::framebuffer::{self, CreateFramebuffer, ImagelessRateAttachment};
 use super::image::{RateImage, RateImageKey, USAGE};
 use super::images::RateImages;
 use super::pipeline::PipelineRate;
@@ -20,13 +20,15 @@ use crate::vk::table::Table;
 use ash::vk;
 use parafovea_manifest::quirks::Effect;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// The rate attachments of a device.
 pub struct RateAttachments {
     /// Their capabilities.
     pub capabilities: RateCapabilities,
     is_cpu: bool,
+    /// Whether stores of a fragment shader alone do not keep it at 1x1 (`rates.coarse_stores`).
+    pub(super) coarse_stores: bool,
     /// The images that are attached.
     pub images: RateImages,
     /// The render passes to which rates were added.
@@ -43,7 +45,7 @@ pub struct RateAttachments {
     /// Whether the rate of a pipeline may have to be set when it is bound.
     pub sets_rates_at_bind: bool,
     /// Whether dynamic rendering gets no attachments any more.
-    rendering_is_left_alone: AtomicBool,
+    pub(super) rendering_is_left_alone: AtomicBool,
     /// Whether dynamic rendering gets an attachment only where its target was recognised as the scene and rates are on, and render passes only in
     /// subpasses with depth.
     attaches_only_matched: bool,
@@ -67,7 +69,12 @@ impl RateAttachments {
     /// # Safety
     ///
     /// The record is of a live device, which has the extensions and features in `enabled`.
-    pub unsafe fn on(record: &DeviceRecord, enabled: Enabled, is_cpu: bool) -> Option<Self> {
+    pub unsafe fn on(
+        record: &DeviceRecord,
+        enabled: Enabled,
+        is_cpu: bool,
+        coarse_stores: bool,
+    ) -> Option<Self> {
         // SAFETY: the record is of a live device, as `# Safety` demands.
         let images = unsafe { RateImages::of_device(record, &enabled) };
         let images = images.inspect_err(|reason| tracing::info!("no rate attachments: {reason}")).ok()?;
@@ -84,6 +91,7 @@ impl RateAttachments {
         Some(Self {
             capabilities,
             is_cpu,
+            coarse_stores,
             images,
             passes: Table::default(),
             framebuffers: Table::default(),
@@ -95,17 +103,6 @@ impl RateAttachments {
             rendering_is_left_alone: AtomicBool::new(false),
             attaches_only_matched: quirks.has(Effect::AttachOnlyMatched),
         })
-    }
-
-    /// From now on dynamic rendering gets no attachments: there are pipelines or shaders that may not be used with them
-    /// (VUID-vkCmdDraw-imageView-06183).
-    pub(super) fn leave_rendering_alone(&self) {
-        self.rendering_is_left_alone.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether dynamic rendering gets attachments.
-    pub fn attaches_to_rendering(&self) -> bool {
-        !self.rendering_is_left_alone.load(Ordering::Relaxed)
     }
 
     /// `vkCreateRenderPass`: as one of the second version with rates, or else as the application asks.
@@ -392,14 +389,6 @@ impl Backend for Arc<RateAttachments> {
         Some(Box::new(self.images.of(key)?))
     }
 }
-
-/// The arguments of vkCreateFramebuffer.
-pub type CreateFramebuffer<'a> = (
-    vk::Device,
-    *const vk::FramebufferCreateInfo<'a>,
-    *const vk::AllocationCallbacks<'a>,
-    *mut vk::Framebuffer,
-);
 
 /// The arguments of vkCreateRenderPass and vkCreateRenderPass2.
 pub type CreateRenderPass<'a, I> =

@@ -1,7 +1,6 @@
 //! The capabilities of a device's `VK_KHR_fragment_shading_rate`.
 
 use crate::vk::instance::Instance;
-use crate::vk::shaders::Effects;
 use ash::vk;
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::quirks::{Effect, Quirks};
@@ -236,21 +235,6 @@ impl RateCapabilities {
     pub fn texel_size(&self) -> vk::Extent2D {
         vk::Extent2D { width: self.texel[0], height: self.texel[1] }
     }
-}
-
-/// Whether a fragment shader has to run at 1x1, because its effects count for each pixel.
-///
-/// Devices may shade coarsely with written depth and sample masks, but no application expects the result: one depth for a block fails an
-/// EQUAL test against a pre-pass (Direct3D 12 shades such shaders at 1x1: its VRS specification, "Export of Depth and Stencil"), and a
-/// mask made for one pixel covers one pixel of a block (Vulkan specification, "Fragment Shading Rates", coverage index).
-pub fn needs_every_pixel(shader: Effects) -> bool {
-    shader.stores
-        || shader.interlocks
-        || shader.per_sample
-        || shader.writes_integers
-        || shader.discards
-        || shader.writes_depth_stencil
-        || shader.uses_sample_mask
 }
 
 impl Limits {

@@ -3,6 +3,14 @@
 use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
 
+/// The arguments of vkCreateFramebuffer.
+pub type CreateFramebuffer<'a> = (
+    vk::Device,
+    *const vk::FramebufferCreateInfo<'a>,
+    *const vk::AllocationCallbacks<'a>,
+    *mut vk::Framebuffer,
+);
+
 /// The rate images that an imageless framebuffer will be used with. It holds for each of them: Vulkan compares it with the image's
 /// creation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

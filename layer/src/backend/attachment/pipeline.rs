@@ -1,9 +1,8 @@
 //! Graphics pipelines: each may be used with a rate attachment, and obeys it unless it must shade every pixel.
 
-use super::capabilities::{RateCapabilities, needs_every_pixel};
+use super::capabilities::RateCapabilities;
 use crate::abi::copies::{Copies, find, slice};
-use crate::vk::shaders::Effects;
-use crate::vk::shaders::parts::{Parts, dynamic_states, is_discarded, libraries, own_parts};
+use crate::vk::shaders::parts::{Parts, dynamic_states, flags, is_discarded, libraries, own_parts};
 use ash::vk;
 
 /// The rate of a pipeline, after our additions.
@@ -29,8 +28,8 @@ const SHADING: Parts =
 
 /// The pipeline with the additions that make it obey rate attachments, and its rate.
 ///
-/// `effects` returns the effects of a stage's fragment shader, `linked` the rate of a library. A render pass that `is_left_alone` has
-/// no rate attachment of ours: the rate stays unchanged. So does the default rate in dynamic rendering, if the application sets the flag for an
+/// `every_pixel`: whether its own parts must not be coarser than 1x1. `linked` returns the rate of a library. A render pass that
+/// `is_left_alone` has no rate attachment of ours: the rate stays unchanged. So does the default rate in dynamic rendering, if the application sets the flag for an
 /// attachment of its own.
 ///
 /// # Safety
@@ -40,7 +39,7 @@ const SHADING: Parts =
 pub unsafe fn with_rates<'c>(
     info: &vk::GraphicsPipelineCreateInfo<'c>,
     capabilities: &RateCapabilities,
-    effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
+    every_pixel: bool,
     linked: impl Fn(vk::Pipeline) -> Option<PipelineRate>,
     is_left_alone: impl Fn(vk::RenderPass) -> bool,
     copies: &mut Copies<'_>,
@@ -54,24 +53,11 @@ pub unsafe fn with_rates<'c>(
     let mut amended = vk::GraphicsPipelineCreateInfo { flags, p_next, ..*info };
     let inherited = libraries.iter().filter_map(|&library| linked(library)).reduce(more_careful);
     if !own.intersects(SHADING) {
-        // SAFETY: as above; multisample state is of this part.
-        let needs_every_pixel = own.contains(Parts::FRAGMENT_OUTPUT_INTERFACE)
-            && unsafe {
-                cuts_by_command(info)
-                    || info
-                        .p_multisample_state
-                        .as_ref()
-                        .is_some_and(|state| is_too_fine(state, &capabilities.limits))
-            };
-        let rate = if needs_every_pixel { PipelineRate::NeedsEveryPixel } else { PipelineRate::Fixed };
+        let rate = if every_pixel { PipelineRate::NeedsEveryPixel } else { PipelineRate::Fixed };
         return (amended, merged(inherited, rate));
     }
     // SAFETY: as above; state of its own parts is valid.
-    let (every_pixel, sets_rates, is_fixed) = unsafe {
-        let every_pixel =
-            own.contains(Parts::FRAGMENT_SHADER) && must_shade_every_pixel(info, own, capabilities, effects);
-        (every_pixel, sets_rates(info), has_own_rate(info) || is_discarded(info, own))
-    };
+    let (sets_rates, is_fixed) = unsafe { (sets_rates(info), has_own_rate(info) || is_discarded(info, own)) };
     if sets_rates {
         return (amended, merged(inherited, PipelineRate::Application { every_pixel }));
     }
@@ -141,8 +127,7 @@ const FLAG2: vk::PipelineCreateFlags2KHR = vk::PipelineCreateFlags2KHR::from_raw
 /// As for [`with_rates`].
 unsafe fn has_flag(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
     // SAFETY: the chain is valid, as `# Safety` demands.
-    let flags2 = unsafe { find::<vk::PipelineCreateFlags2CreateInfoKHR<'_>>(info.p_next) };
-    flags2.map_or(info.flags.contains(FLAG), |flags2| flags2.flags.contains(FLAG2))
+    unsafe { flags(info) }.contains(FLAG2)
 }
 
 /// The flags and the chain with `VK_PIPELINE_CREATE_RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_BIT_KHR`: a chained
@@ -277,106 +262,6 @@ unsafe fn has_own_rate(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
 /// Whether a rate is the default, that of a pipeline without a rate.
 pub fn is_default(size: vk::Extent2D, combiners: [vk::FragmentShadingRateCombinerOpKHR; 2]) -> bool {
     (size.width, size.height) == (1, 1) && combiners == [vk::FragmentShadingRateCombinerOpKHR::KEEP; 2]
-}
-
-/// Whether a pipeline with these parts of its own must not be coarser than 1x1: its fragment shader has effects that count for each pixel,
-/// or the device does not shade coarsely with them.
-///
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn must_shade_every_pixel(
-    info: &vk::GraphicsPipelineCreateInfo<'_>,
-    own: Parts,
-    capabilities: &RateCapabilities,
-    effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
-) -> bool {
-    let limits = &capabilities.limits;
-    // SAFETY: the structure is valid, as `# Safety` demands.
-    if unsafe { is_discarded(info, own) } {
-        return false;
-    }
-    // SAFETY: as above: stages and multisample state are of the part with the fragment shader, rasterisation state of another part; neither
-    // state is ignored, as the pipeline rasterises.
-    let (stages, multisample, rasterization) = unsafe {
-        let rasterizes = own.contains(Parts::PRE_RASTERIZATION_SHADERS);
-        let rasterization = if rasterizes { info.p_rasterization_state.as_ref() } else { None };
-        (slice(info.p_stages, info.stage_count), info.p_multisample_state.as_ref(), rasterization)
-    };
-    let fragment = stages.iter().find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
-    if needs_every_pixel(fragment.map_or(Effects::default(), effects)) {
-        return true;
-    }
-    // SAFETY: both are valid, as above.
-    unsafe {
-        cuts_by_command(info)
-            || multisample.is_some_and(|state| is_too_fine(state, limits))
-            || (!limits.conservative_rasterization
-                && rasterization.is_some_and(|state| is_conservative(state)))
-    }
-}
-
-/// Whether commands may turn alpha to coverage on.
-///
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn cuts_by_command(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
-    // SAFETY: the structure is valid, as `# Safety` demands.
-    unsafe { dynamic_states(info) }.contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT)
-}
-
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn is_too_fine(
-    state: &vk::PipelineMultisampleStateCreateInfo<'_>,
-    limits: &super::capabilities::Limits,
-) -> bool {
-    let samples = state.rasterization_samples.as_raw();
-    // SAFETY: the structure is valid, as `# Safety` demands; a mask has a bit for each sample, in words of 32.
-    unsafe {
-        let mask = slice(state.p_sample_mask, samples.div_ceil(32));
-        let all = if samples >= 32 { u32::MAX } else { (1 << samples) - 1 };
-        let locations = find::<vk::PipelineSampleLocationsStateCreateInfoEXT<'_>>(state.p_next);
-        state.sample_shading_enable == vk::TRUE
-            || state.alpha_to_coverage_enable == vk::TRUE
-            || state.rasterization_samples > limits.samples
-            || (!limits.sample_mask && mask.iter().any(|word| word & all != all))
-            || (!limits.custom_sample_locations
-                && locations.is_some_and(|locations| locations.sample_locations_enable == vk::TRUE))
-    }
-}
-
-/// Whether a pipeline cuts holes by alpha to coverage, or may do so by a command.
-///
-/// # Safety
-///
-/// The structure is valid.
-pub(super) unsafe fn has_alpha_to_coverage(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
-    // SAFETY: the structure is valid, as `# Safety` demands; multisample state is looked at in parts alone that have it.
-    unsafe {
-        let own = own_parts(info);
-        own.intersects(Parts::FRAGMENT_SHADER | Parts::FRAGMENT_OUTPUT_INTERFACE)
-            && !is_discarded(info, own)
-            && (cuts_by_command(info)
-                || info
-                    .p_multisample_state
-                    .as_ref()
-                    .is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE))
-    }
-}
-
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn is_conservative(state: &vk::PipelineRasterizationStateCreateInfo<'_>) -> bool {
-    // SAFETY: a valid structure has a valid chain.
-    let chained =
-        unsafe { find::<vk::PipelineRasterizationConservativeStateCreateInfoEXT<'_>>(state.p_next) };
-    chained.is_some_and(|state| {
-        state.conservative_rasterization_mode != vk::ConservativeRasterizationModeEXT::DISABLED
-    })
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! The creation of shader modules and graphics pipelines.
 
 use super::attach::RateAttachments;
-use super::pipeline::{PipelineRate, has_alpha_to_coverage, with_rates};
+use super::full_rate::{Causes, causes};
+use super::pipeline::{PipelineRate, with_rates};
+use super::refused::{create_amended, may_be_ours};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
-use crate::status::{Topic, decided};
 use crate::vk::shaders::Effects;
 use ash::vk;
 
@@ -19,8 +20,14 @@ impl RateAttachments {
         self.pipelines.get(pipeline)
     }
 
-    /// `vkCreateGraphicsPipelines`, amended for rate attachments. If that fails, the call is repeated as
-    /// the application made it, for all of its pipelines: that keeps the specification's rules on early returns and
+    /// Effects of a fragment shader, without those that the configuration allows at coarse rates.
+    pub(super) fn counted(&self, effects: Effects) -> Effects {
+        let is_allowed = self.coarse_stores && effects != Effects::UNKNOWN;
+        Effects { stores: effects.stores && !is_allowed, ..effects }
+    }
+
+    /// `vkCreateGraphicsPipelines`, amended for rate attachments. If that fails, for want of memory twice, the
+    /// call is repeated as the application made it, for all of its pipelines: that keeps the specification's rules on early returns and
     /// pipelines derived from others in the same call.
     ///
     /// # Safety
@@ -42,70 +49,67 @@ impl RateAttachments {
         // SAFETY: valid usage demands so many structures.
         let asked = unsafe { slice(infos, count) };
         let amended = asked.iter().map(|info| {
-            let effects = |stage: &vk::PipelineShaderStageCreateInfo<'_>| {
-                // SAFETY: valid usage demands valid stages.
-                let effects = unsafe { self.modules.effects(stage) };
-                list_discarding_draws(effects.discards && effects != Effects::UNKNOWN);
-                effects
+            // SAFETY: valid usage demands valid stages.
+            let effects = |stage: &vk::PipelineShaderStageCreateInfo<'_>| unsafe {
+                self.counted(self.modules.effects(stage))
             };
-            // SAFETY: valid usage demands a valid structure.
-            list_discarding_draws(unsafe { has_alpha_to_coverage(info) });
             let linked = |library| self.pipelines.get(library);
             let is_left_alone = |pass| pass != vk::RenderPass::null() && self.leaves_alone(pass);
             // SAFETY: the structure is valid, and its chain the call's for its duration.
-            unsafe { with_rates(info, &self.capabilities, effects, linked, is_left_alone, &mut copies) }
+            unsafe {
+                let causes = causes(info, &self.capabilities.limits, effects);
+                let every_pixel = causes.are_any();
+                let (amended, rate) =
+                    with_rates(info, &self.capabilities, every_pixel, linked, is_left_alone, &mut copies);
+                // Without rates of ours in the pass, they have no consequence.
+                (amended, (rate, if is_left_alone(info.render_pass) { Causes::default() } else { causes }))
+            }
         });
         let (amended, rates): (Vec<_>, Vec<_>) = amended.unzip();
-        // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
-        let result = unsafe { next(device, cache, count, amended.as_ptr(), allocator, made) };
-        // SAFETY: the call has written so many handles, null for pipelines that failed.
-        let pipelines = unsafe { slice(made.cast_const(), count) };
-        if may_be_ours(result) {
-            // Structures of the application that were amended in place become its own again.
-            drop((amended, copies));
-            GpuError::Call { call: "vkCreateGraphicsPipelines", result }
-                .log("pipelines stay unchanged, at 1x1");
-            for &pipeline in pipelines {
+        let discard = || {
+            // SAFETY: the call has written so many handles, null for pipelines that failed.
+            for &pipeline in unsafe { slice(made.cast_const(), count) } {
                 if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
                     // SAFETY: it was just made with this allocator, and no other code has its handle.
                     unsafe { destroy(device, pipeline, allocator) };
                 }
             }
+        };
+        let first = amended.as_ptr();
+        // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
+        let create = || unsafe { next(device, cache, count, first, allocator, made) };
+        let result = create_amended(create, discard);
+        if may_be_ours(result) {
+            // Structures of the application that were amended in place become its own again.
+            drop((amended, copies));
+            GpuError::Call { call: "vkCreateGraphicsPipelines", result }
+                .log("pipelines stay unchanged, at 1x1");
             // SAFETY: the application's own arguments.
-            let result = unsafe { next(device, cache, count, infos, allocator, made) };
+            let plain = unsafe { next(device, cache, count, infos, allocator, made) };
             let is_in_rendering =
                 |info: &vk::GraphicsPipelineCreateInfo<'_>| info.render_pass == vk::RenderPass::null();
-            // SAFETY: as above.
+            // SAFETY: as above, the call has written so many handles.
             let pipelines = unsafe { slice(made.cast_const(), count) };
             if asked
                 .iter()
                 .zip(pipelines)
                 .any(|(info, made)| is_in_rendering(info) && *made != vk::Pipeline::null())
             {
-                self.leave_rendering_alone();
+                self.leave_rendering_alone("pipelines", result);
             }
-            return result;
+            return plain;
         }
-        for (&pipeline, rate) in pipelines.iter().zip(rates) {
-            if pipeline != vk::Pipeline::null() && rate != PipelineRate::Fixed {
+        // SAFETY: as above.
+        let pipelines = unsafe { slice(made.cast_const(), count) };
+        for (&pipeline, (rate, causes)) in pipelines.iter().zip(rates) {
+            if pipeline == vk::Pipeline::null() {
+                continue;
+            }
+            causes.list();
+            if rate != PipelineRate::Fixed {
                 self.pipelines.insert(pipeline, rate);
             }
         }
         result
     }
-}
-
-/// Lists once that an application has draws with holes, which stay at 1x1.
-pub(super) fn list_discarding_draws(has_holes: bool) {
-    if has_holes {
-        let line = "draws with alpha test (discard) or alpha to coverage: shaded at 1x1, as one decision for a coarse fragment \
-                    shows as a block";
-        decided(Topic::FullRate, &line);
-    }
-}
-
-/// Whether a creation may have failed because of our additions, so that it is worth repeating without them. Positive
-/// codes are not failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
-pub(super) fn may_be_ours(result: vk::Result) -> bool {
-    result.as_raw() < 0 && result != vk::Result::ERROR_DEVICE_LOST
 }

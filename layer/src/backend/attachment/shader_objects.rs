@@ -5,12 +5,12 @@
 //! fragment shader is enough.
 
 use super::attach::RateAttachments;
-use super::capabilities::needs_every_pixel;
 use super::commands::SetRate;
-use super::pipelines::{list_discarding_draws, may_be_ours};
+use super::full_rate::Causes;
+use super::refused::{create_amended, may_be_ours};
 use crate::abi::copies::slice;
 use crate::gpu::GpuError;
-use crate::vk::shaders::{Effects, effects_of_object as effects};
+use crate::vk::shaders::effects_of_object as effects;
 use ash::vk;
 
 impl RateAttachments {
@@ -19,8 +19,8 @@ impl RateAttachments {
         self.shader_objects.remove(shader);
     }
 
-    /// `vkCreateShadersEXT`, with the flag that the shaders may be used with a rate attachment. If that fails, the call
-    /// is repeated as the application made it.
+    /// `vkCreateShadersEXT`, with the flag that the shaders may be used with a rate attachment. If that fails, for want of
+    /// memory twice, the call is repeated as the application made it.
     ///
     /// # Safety
     ///
@@ -36,36 +36,43 @@ impl RateAttachments {
     ) -> vk::Result {
         // SAFETY: valid usage demands so many structures.
         let asked = unsafe { slice(infos, count) };
+        if !asked.iter().any(is_fragment) {
+            // SAFETY: the application's own arguments.
+            return unsafe { next(device, count, infos, allocator, made) };
+        }
         let amended: Vec<_> = asked.iter().map(flagged).collect();
-        // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
-        let result = unsafe { next(device, count, amended.as_ptr(), allocator, made) };
-        // SAFETY: the call has written so many handles, null for shaders that failed.
-        let shaders = unsafe { slice(made.cast_const(), count) };
-        if may_be_ours(result) {
-            GpuError::Call { call: "vkCreateShadersEXT", result }.log("shaders stay unchanged, at 1x1");
-            for &shader in shaders {
+        let discard = || {
+            // SAFETY: the call has written so many handles, null for shaders that failed.
+            for &shader in unsafe { slice(made.cast_const(), count) } {
                 if let (Some(destroy), true) = (destroy, shader != vk::ShaderEXT::null()) {
                     // SAFETY: it was just made with this allocator, and no other code has its handle.
                     unsafe { destroy(device, shader, allocator) };
                 }
             }
+        };
+        // SAFETY: the arguments are valid, as `# Safety` demands, with as many amended structures.
+        let create = || unsafe { next(device, count, amended.as_ptr(), allocator, made) };
+        let result = create_amended(create, discard);
+        let is_made = |info: &_, shader: vk::ShaderEXT| is_fragment(info) && shader != vk::ShaderEXT::null();
+        if may_be_ours(result) {
+            GpuError::Call { call: "vkCreateShadersEXT", result }.log("shaders stay unchanged, at 1x1");
             // SAFETY: the application's own arguments.
-            let result = unsafe { next(device, count, infos, allocator, made) };
-            // SAFETY: as above.
-            if unsafe { slice(made.cast_const(), count) }
-                .iter()
-                .any(|shader| *shader != vk::ShaderEXT::null())
-            {
-                self.leave_rendering_alone();
+            let plain = unsafe { next(device, count, infos, allocator, made) };
+            // SAFETY: as above, the call has written so many handles.
+            let shaders = unsafe { slice(made.cast_const(), count) };
+            if asked.iter().zip(shaders).any(|(info, shader)| is_made(info, *shader)) {
+                self.leave_rendering_alone("shaders", result);
             }
-            return result;
+            return plain;
         }
+        // SAFETY: as above.
+        let shaders = unsafe { slice(made.cast_const(), count) };
         for (info, &shader) in asked.iter().zip(shaders) {
-            if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
+            if is_made(info, shader) {
                 // SAFETY: valid usage demands valid structures.
-                let effects = unsafe { effects(info) };
-                list_discarding_draws(effects.discards && effects != Effects::UNKNOWN);
-                self.shader_objects.insert(shader, needs_every_pixel(effects));
+                let causes = Causes::of_shader(self.counted(unsafe { effects(info) }));
+                causes.list();
+                self.shader_objects.insert(shader, causes.are_any());
             }
         }
         result
@@ -91,10 +98,14 @@ impl RateAttachments {
     }
 }
 
+fn is_fragment(info: &vk::ShaderCreateInfoEXT<'_>) -> bool {
+    info.stage == vk::ShaderStageFlags::FRAGMENT
+}
+
 /// A fragment shader with the flag that it may be used with a rate attachment.
 fn flagged<'c>(info: &vk::ShaderCreateInfoEXT<'c>) -> vk::ShaderCreateInfoEXT<'c> {
     let mut flagged = *info;
-    if info.stage == vk::ShaderStageFlags::FRAGMENT {
+    if is_fragment(info) {
         flagged.flags |= vk::ShaderCreateFlagsEXT::FRAGMENT_SHADING_RATE_ATTACHMENT;
     }
     flagged

@@ -1,13 +1,13 @@
 //! Hooks of devices: creation and destruction.
 
-use super::instance::arming;
+use super::instance::demands;
 use crate::abi::copies::{Copies, room};
 use crate::abi::guard;
 use crate::backend::attachment;
 use crate::backend::attachment::create::Enabled;
 use crate::backend::attachment::{NoRates, RateAttachments};
 use crate::backend::mask::Masks;
-use crate::config::{Arming, device_armed};
+use crate::config::{Arming, Demands, device_armed};
 use crate::link::DeviceRecord;
 use crate::status::{Topic, decided};
 use crate::vk::armed::Armed;
@@ -85,15 +85,15 @@ unsafe fn create_tracked(
         next.set_device_loader_data = None;
     }
     let may_be_armed = instance.enabled && next.set_device_loader_data.is_some();
-    let arming = if may_be_armed { arming() } else { Arming::Inert };
+    let demands = if may_be_armed { demands() } else { Demands::NOTHING };
     let below = Below { create, instance: &instance, physical_device, info, allocator, device };
     // SAFETY: the application's own arguments; the loader's structure is advanced.
-    let (result, enabled) = unsafe { below.create(arming) };
+    let (result, enabled) = unsafe { below.create(demands.arming) };
     if result != vk::Result::SUCCESS {
         return (result, None);
     }
     // SAFETY: the call succeeded, so `device` points to a live device of the next layer.
-    match unsafe { track(&instance, physical_device, *device, next, (arming, enabled)) } {
+    match unsafe { track(&instance, physical_device, *device, next, (demands, enabled)) } {
         Some(state) => (result, Some(state)),
         None => FAILED,
     }
@@ -199,8 +199,9 @@ unsafe fn track(
     physical_device: vk::PhysicalDevice,
     device: vk::Device,
     next: NextDevice,
-    (arming, enabled): (Arming, Option<Enabled>),
+    (demands, enabled): (Demands, Option<Enabled>),
 ) -> Option<&'static str> {
+    let arming = demands.arming;
     let get_device_proc_addr = next.get_device_proc_addr;
     // SAFETY: the device is a live one of the layer that the pointer belongs to, as `# Safety` demands.
     let get = |name: &CStr| unsafe { get_device_proc_addr(device, name.as_ptr()) };
@@ -226,7 +227,7 @@ unsafe fn track(
             submits_late: u32::from(quirks::submits_late(&instance.engine)),
         };
         // SAFETY: the handles of the record are live, and the pointers come from the layer that made the handles.
-        unsafe { arm(record, hooked, (arming, enabled), is_cpu) }
+        unsafe { arm(record, hooked, (demands, enabled), is_cpu) }
     });
     let state = match (&armed, instance.enabled) {
         (Some(_), _) => "armed",
@@ -253,13 +254,14 @@ unsafe fn track(
 unsafe fn arm(
     record: DeviceRecord,
     hooked: ArmedTable,
-    (arming, enabled): (Arming, Option<Enabled>),
+    (demands, enabled): (Demands, Option<Enabled>),
     is_cpu: bool,
 ) -> Arc<Armed> {
     // SAFETY: handles and pointers of the record are valid, as `# Safety` demands.
-    let attachments = |enabled| unsafe { RateAttachments::on(&record, enabled, is_cpu) };
+    let attachments =
+        |enabled| unsafe { RateAttachments::on(&record, enabled, is_cpu, demands.coarse_stores) };
     let rates = enabled.and_then(attachments).map(Arc::new);
-    let wants_masks = rates.is_none() && arming != Arming::Pictures;
+    let wants_masks = rates.is_none() && demands.arming != Arming::Pictures;
     // SAFETY: as above.
     let masks = wants_masks.then(|| Arc::new(unsafe { Masks::on(&record, is_cpu) }));
     Arc::new(Armed::new(record, hooked, rates, masks))

@@ -5,7 +5,7 @@ use crate::abi::{Enablement, guard};
 use crate::backend::attachment;
 use crate::config::Arming;
 #[cfg(not(test))]
-use crate::config::Environment;
+use crate::config::{Demands, Environment};
 use crate::vk::chain::{self, NextInstance, Saved};
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::InstanceTable;
@@ -94,7 +94,7 @@ unsafe fn create_below(
     instance: *mut vk::Instance,
     enabled: bool,
 ) -> vk::Result {
-    if enabled && arming() == Arming::Rates {
+    if enabled && demands().arming == Arming::Rates {
         let mut room = room::<64>();
         let mut copies = Copies::new(&mut room);
         // SAFETY: `info` is valid for the time of the call, as `# Safety` demands.
@@ -186,9 +186,9 @@ unsafe fn engine(application: Option<&vk::ApplicationInfo<'_>>) -> String {
 
 /// The demands of this process's configuration on a new device.
 #[cfg(not(test))]
-pub fn arming() -> Arming {
-    Arming::of_process(&Environment::of_process(Enablement::of_process() == Enablement::Elevated))
+pub fn demands() -> Demands {
+    Demands::of_process(&Environment::of_process(Enablement::of_process() == Enablement::Elevated))
 }
 
 #[cfg(test)]
-pub use crate::vk::tests::arming;
+pub use crate::vk::tests::demands;

@@ -2,6 +2,7 @@
 
 use crate::abi::copies::slice;
 use crate::vk::device;
+use crate::vk::hooks::by_identifier;
 use crate::vk::runtime_section::in_runtime_section;
 use crate::vk::shaders::parts::has_static_viewports;
 use ash::vk;
@@ -31,15 +32,18 @@ pub unsafe extern "system" fn create_pipelines(
                     armed.note_static_viewports();
                 }
             }
-            let result = answer.record(match known.rate_attachments() {
+            let create = |count, infos, made| match known.rate_attachments() {
                 Some(rates) => {
                     let functions = (next, known.hooked.destroy_pipeline);
-                    // SAFETY: the application's own arguments, and the next layer's functions for them.
+                    // SAFETY: some of the application's own structures, and the next layer's functions for them.
                     unsafe { rates.create_pipelines(device, cache, count, infos, allocator, made, functions) }
                 }
-                // SAFETY: the next layer's function, with the application's own arguments.
+                // SAFETY: the next layer's function, with some of the application's own structures.
                 None => unsafe { next(device, cache, count, infos, allocator, made) },
-            });
+            };
+            // SAFETY: the application's own arguments.
+            let result =
+                answer.record(unsafe { by_identifier::create(&known, (device, infos, count), made, create) });
             if let (Some(masks), true) = (known.masks(), result.as_raw() >= 0) {
                 // SAFETY: valid usage demands `count` structures; the call has written as many pipelines, null for each one that failed.
                 unsafe { masks.add_pipelines(infos, made, count) };

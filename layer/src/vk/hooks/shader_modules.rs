@@ -1,9 +1,11 @@
 //! Hooks of shader modules and of their identifiers: facts of a module's code are kept by its identifier, so that pipelines
 //! made by identifier alone in a later launch get the same treatment.
 
+use crate::vk::chain::extension;
 use crate::vk::device::{self, Device};
-use crate::vk::shaders::{self, FragmentShaders, KnownShaders, ShaderModules};
+use crate::vk::shaders::{self, Effects, FragmentShaders, KnownShaders, ShaderModules};
 use ash::vk;
+use std::ffi::CStr;
 use std::sync::Arc;
 
 /// `vkCreateShaderModule`.
@@ -64,7 +66,8 @@ pub unsafe extern "system" fn destroy_shader_module(
     );
 }
 
-fn modules(device: &Device) -> Option<&ShaderModules> {
+/// The modules of a device; `None` without rate attachments or masks.
+pub fn modules(device: &Device) -> Option<&ShaderModules> {
     device.rate_attachments().map(|rates| &rates.modules).or_else(|| Some(device.masks()?.shader_modules()))
 }
 
@@ -74,6 +77,35 @@ fn note(identifier: &vk::ShaderModuleIdentifierEXT<'_>, shaders: Option<Arc<Frag
     if let (Some(bytes), Some(shaders)) = (bytes, shaders) {
         KnownShaders::of_process().note(bytes, &shaders);
     }
+}
+
+/// Keeps the facts of a stage's code by the identifier that the driver gives to it: an application that has the identifier from an earlier
+/// launch does not ask for it again. Code that is not understood is kept as unknown.
+///
+/// # Safety
+///
+/// The stage is valid, and the application has enabled identifiers on the device.
+pub unsafe fn note_code(known: &Device, device: vk::Device, stage: &vk::PipelineShaderStageCreateInfo<'_>) {
+    let mut identifier = vk::ShaderModuleIdentifierEXT::default();
+    // SAFETY: device and stage are valid, as `# Safety` demands, and so is a module or code in it.
+    let shaders = unsafe {
+        let info = extension::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next);
+        let hooked = &known.hooked;
+        if stage.module != vk::ShaderModule::null() {
+            let Some(get) = hooked.get_shader_module_identifier else { return };
+            get(device, stage.module, &mut identifier);
+            modules(known).and_then(|modules| modules.get(stage.module))
+        } else if let (Some(info), Some(get)) = (info, hooked.get_shader_module_create_info_identifier) {
+            get(device, info, &mut identifier);
+            shaders::read(info).map(Arc::new)
+        } else {
+            return;
+        }
+    };
+    // SAFETY: a valid stage has a name.
+    let name = unsafe { CStr::from_ptr(stage.p_name) }.to_string_lossy();
+    let unknown = || Arc::new(FragmentShaders::from_iter([(name.into(), Effects::UNKNOWN)]));
+    note(&identifier, Some(shaders.unwrap_or_else(unknown)));
 }
 
 /// `vkGetShaderModuleIdentifierEXT`.

@@ -5,15 +5,21 @@ use crate::vk::chain::extension;
 use crate::vk::shaders::effects::{Effects, FragmentShaders};
 use crate::vk::shaders::flow::Flow;
 use crate::vk::shaders::known::KnownShaders;
+use crate::vk::shaders::parts::{flags, fragment_stage};
 use crate::vk::shaders::specialization::Specialization;
 use crate::vk::table::Table;
 use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The modules of a device.
 #[derive(Default)]
-pub struct ShaderModules(Table<vk::ShaderModule, Arc<Module>>);
+pub struct ShaderModules {
+    modules: Table<vk::ShaderModule, Arc<Module>>,
+    /// Whether the application had to come with the code of a shader that it named by its identifier alone.
+    is_code_requested: AtomicBool,
+}
 
 /// The facts of a module's shaders.
 struct Module {
@@ -48,18 +54,32 @@ impl ShaderModules {
     pub unsafe fn add(&self, module: vk::ShaderModule, info: &vk::ShaderModuleCreateInfo<'_>) {
         // SAFETY: the code is valid, by the valid usage of vkCreateShaderModule.
         if let Some(facts) = Module::read(&unsafe { words(info.p_code.cast(), info.code_size) }) {
-            self.0.insert(module, Arc::new(facts));
+            self.modules.insert(module, Arc::new(facts));
         }
     }
 
     /// A module is about to be destroyed.
     pub fn forget(&self, module: vk::ShaderModule) {
-        self.0.remove(module);
+        self.modules.remove(module);
     }
 
     /// The facts of a live module's shaders; `None` if its code is not understood.
     pub fn get(&self, module: vk::ShaderModule) -> Option<Arc<FragmentShaders>> {
-        self.0.get(module).map(|module| Arc::clone(&module.shaders))
+        self.modules.get(module).map(|module| Arc::clone(&module.shaders))
+    }
+
+    /// The application has to come with code that it has not shown.
+    pub fn request_code(&self) {
+        if !self.is_code_requested.swap(true, Ordering::Relaxed) {
+            tracing::info!(
+                "pipelines by shader identifiers: code requested, as their fragment shaders are unknown; this start may take longer"
+            );
+        }
+    }
+
+    /// Whether code was requested, so that identifiers of code are of interest.
+    pub fn is_code_requested(&self) -> bool {
+        self.is_code_requested.load(Ordering::Relaxed)
     }
 
     /// The facts of a stage's fragment shader; unknown for code that neither this call nor an earlier launch has shown.
@@ -73,7 +93,7 @@ impl ShaderModules {
             (CStr::from_ptr(stage.p_name).to_str(), Specialization::read(stage.p_specialization_info))
         };
         let Ok(name) = name else { return Effects::UNKNOWN };
-        if let Some(module) = self.0.get(stage.module) {
+        if let Some(module) = self.modules.get(stage.module) {
             return module.effects(name, &constants);
         }
         // SAFETY: the chain is valid, as `# Safety` demands, and its structures have as many bytes as they state.
@@ -83,10 +103,8 @@ impl ShaderModules {
             if let Some(module) = module {
                 return module.effects(name, &constants);
             }
-            let identified = extension::<ByIdentifier<'_>>(stage.p_next).and_then(|by| {
-                let size = if by.p_identifier.is_null() { 0 } else { by.identifier_size };
-                KnownShaders::of_process().get(slice(by.p_identifier, size))
-            });
+            let identified =
+                identifier(stage).and_then(|identifier| KnownShaders::of_process().get(identifier));
             identified.map_or(Effects::UNKNOWN, |shaders| shaders.effects(name))
         }
     }
@@ -94,6 +112,37 @@ impl ShaderModules {
 
 /// A stage without code, by an identifier that an earlier launch got.
 type ByIdentifier<'a> = vk::PipelineShaderStageModuleIdentifierCreateInfoEXT<'a>;
+
+/// The identifier of a stage without code; `None` for a stage with code.
+///
+/// # Safety
+///
+/// The stage and its chain are valid.
+unsafe fn identifier<'c>(stage: &vk::PipelineShaderStageCreateInfo<'c>) -> Option<&'c [u8]> {
+    // SAFETY: the chain is valid, as `# Safety` demands, with so many bytes.
+    unsafe {
+        let has_code = stage.module != vk::ShaderModule::null()
+            || extension::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next).is_some();
+        let by = extension::<ByIdentifier<'_>>(stage.p_next).filter(|_| !has_code)?;
+        Some(slice(by.p_identifier, by.identifier_size)).filter(|identifier| !identifier.is_empty())
+    }
+}
+
+/// Whether a pipeline may be refused until the application comes with the code of its fragment shader, which neither this nor an earlier
+/// launch has shown.
+///
+/// # Safety
+///
+/// The structure is valid.
+pub unsafe fn lacks_code(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the structure is valid, as `# Safety` demands.
+    unsafe {
+        flags(info).contains(vk::PipelineCreateFlags2KHR::FAIL_ON_PIPELINE_COMPILE_REQUIRED)
+            && fragment_stage(info)
+                .and_then(|stage| identifier(stage))
+                .is_some_and(|identifier| KnownShaders::of_process().get(identifier).is_none())
+    }
+}
 
 /// The facts of a module's shaders; `None` if its code is not understood.
 ///

@@ -38,6 +38,37 @@ pub unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
     }
 }
 
+/// The flags of a pipeline, which a structure in the chain replaces where there is one.
+///
+/// # Safety
+///
+/// The structure's chain is valid.
+pub unsafe fn flags(info: &vk::GraphicsPipelineCreateInfo<'_>) -> vk::PipelineCreateFlags2KHR {
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    let flags2 = unsafe { find::<vk::PipelineCreateFlags2CreateInfoKHR<'_>>(info.p_next) };
+    let bits = vk::PipelineCreateFlags2KHR::from_raw(info.flags.as_raw().into());
+    flags2.map_or(bits, |flags2| flags2.flags)
+}
+
+/// The stage of a pipeline's own fragment shader; `None` where nothing is rasterised.
+///
+/// # Safety
+///
+/// The structure is valid.
+pub unsafe fn fragment_stage<'c>(
+    info: &vk::GraphicsPipelineCreateInfo<'c>,
+) -> Option<&'c vk::PipelineShaderStageCreateInfo<'c>> {
+    // SAFETY: the structure is valid, as `# Safety` demands, and has so many stages where the fragment shader is its own.
+    unsafe {
+        let own = own_parts(info);
+        if !own.contains(Parts::FRAGMENT_SHADER) || is_discarded(info, own) {
+            return None;
+        }
+        let stages = slice(info.p_stages, info.stage_count);
+        stages.iter().find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT)
+    }
+}
+
 /// The states that commands set.
 ///
 /// # Safety

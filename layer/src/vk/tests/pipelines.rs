@@ -2,30 +2,40 @@
 
 use super::fake::{pipelines, rates};
 use super::*;
+use crate::vk::shaders::effects::tests::{plain_shader, storing_shader};
 
 /// The outcome of two pipelines, the calls that reached the driver, and whether dynamic rendering still gets attachments.
 fn created(amended: vk::Result, plain: vk::Result) -> (vk::Result, [u64; 2], Vec<String>, bool) {
     with_device(|device| {
         pipelines::answer(amended, plain);
-        let infos = [vk::GraphicsPipelineCreateInfo::default(); 2];
-        let mut made = [vk::Pipeline::null(); 2];
-        let function = device_function(device, c"vkCreateGraphicsPipelines");
-        // SAFETY: the name gives the type, and the stand-in looks at the flags alone.
-        let result = unsafe {
-            transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCreateGraphicsPipelines>(function)(
-                device,
-                vk::PipelineCache::null(),
-                2,
-                infos.as_ptr(),
-                null(),
-                made.as_mut_ptr(),
-            )
-        };
-        (result, made.map(Handle::as_raw), pipelines::seen(), attaches(device))
+        let (result, made) = create(device, [vk::GraphicsPipelineCreateInfo::default(); 2]);
+        (result, made, pipelines::seen(), attaches(device))
     })
 }
 
-fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
+/// The result for pipelines, and their handles.
+pub(super) fn create<const N: usize>(
+    device: vk::Device,
+    infos: [vk::GraphicsPipelineCreateInfo<'_>; N],
+) -> (vk::Result, [u64; N]) {
+    // As a driver leaves it to the application.
+    let mut made = [vk::Pipeline::from_raw(0xbad); N];
+    let function = device_function(device, c"vkCreateGraphicsPipelines");
+    // SAFETY: the name gives the type; the structures are valid as far as layer and stand-in look at them.
+    let result = unsafe {
+        transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCreateGraphicsPipelines>(function)(
+            device,
+            vk::PipelineCache::null(),
+            N as u32,
+            infos.as_ptr(),
+            null(),
+            made.as_mut_ptr(),
+        )
+    };
+    (result, made.map(Handle::as_raw))
+}
+
+pub(super) fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
     rates::capabilities(true, false);
     let instance = new_instance(Some(vk::API_VERSION_1_1));
     let device = new_device(instance);
@@ -53,12 +63,67 @@ fn pipelines_that_are_taken_are_made_once() {
 
 #[test]
 fn pipelines_that_are_refused_are_made_as_the_application_asks() {
-    for refused in [vk::Result::ERROR_UNKNOWN, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY] {
-        let (result, made, seen, attaches) = created(refused, SUCCESS);
-        assert_eq!((result, made), (SUCCESS, [1, 2]));
-        assert_eq!(seen, ["amended 2", "destroy 1", "plain 2"], "nothing is leaked");
-        assert!(!attaches, "such pipelines may not be used with an attachment");
+    let (result, made, seen, attaches) = created(vk::Result::ERROR_UNKNOWN, SUCCESS);
+    assert_eq!((result, made), (SUCCESS, [1, 2]));
+    assert_eq!(seen, ["amended 2", "destroy 1", "plain 2"], "nothing is leaked");
+    assert!(!attaches, "such pipelines may not be used with an attachment");
+    let line = "dynamic rendering: shaded at 1x1 until a restart of the application, as the driver creates pipelines only \
+                without shading rates: ERROR_UNKNOWN";
+    assert!(crate::status::all_decisions().iter().any(|decision| decision.line == line));
+}
+
+/// A passing want of memory leaves no trace; one that lasts with the additions alone counts as a refusal.
+#[test]
+fn a_creation_without_memory_is_repeated_with_rates() {
+    for lack in [vk::Result::ERROR_OUT_OF_HOST_MEMORY, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY] {
+        pipelines::answer_first(lack);
+        let (result, made, seen, attaches) = created(SUCCESS, SUCCESS);
+        assert_eq!((result, made, attaches), (SUCCESS, [1, 2], true), "{lack:?}");
+        assert_eq!(seen, ["amended 2", "destroy 1", "amended 2"], "{lack:?}");
+        pipelines::answer_first(lack);
+        let (result, made, _, attaches) = created(vk::Result::PIPELINE_COMPILE_REQUIRED_EXT, SUCCESS);
+        let expected = (vk::Result::PIPELINE_COMPILE_REQUIRED_EXT, [1, 0], true);
+        assert_eq!((result, made, attaches), expected, "{lack:?}");
+        let (result, made, seen, attaches) = created(lack, SUCCESS);
+        assert_eq!((result, made, attaches), (SUCCESS, [1, 2], false), "{lack:?}");
+        assert_eq!(seen, ["amended 2", "destroy 1", "amended 2", "destroy 1", "plain 2"], "{lack:?}");
     }
+}
+
+/// The driver has no memory for such pipelines in any way.
+#[test]
+fn pipelines_that_fail_without_rates_too_change_nothing() {
+    let lack = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+    with_device(|device| {
+        pipelines::answer(lack, lack);
+        let (result, made) = create(device, [vk::GraphicsPipelineCreateInfo::default()]);
+        assert_eq!((result, made, attaches(device)), (lack, [0], true));
+        assert_eq!(pipelines::seen(), ["amended 1", "amended 1", "plain 1"]);
+    });
+}
+
+/// The flag is for fragment shaders alone: others fail for reasons of their own.
+#[test]
+fn shaders_without_the_flag_are_made_once() {
+    with_device(|device| {
+        let lack = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+        pipelines::answer(SUCCESS, lack);
+        let info = vk::ShaderCreateInfoEXT::default().stage(vk::ShaderStageFlags::VERTEX);
+        let mut made = [vk::ShaderEXT::null(); 2];
+        let function = device_function(device, c"vkCreateShadersEXT");
+        // SAFETY: the name gives the type, and the stand-in looks at the flags alone.
+        let result = unsafe {
+            transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCreateShadersEXT>(function)(
+                device,
+                2,
+                [info; 2].as_ptr(),
+                null(),
+                made.as_mut_ptr(),
+            )
+        };
+        assert_eq!((result, made.map(Handle::as_raw), attaches(device)), (lack, [1, 0], true));
+        assert_eq!(pipelines::seen(), ["plain 2"]);
+    });
 }
 
 #[test]
@@ -78,10 +143,64 @@ fn positive_results_are_not_retried() {
     }
 }
 
+/// `parafovea status` and the log name the cause of draws at full rate.
+#[test]
+fn causes_of_full_rate_are_decisions() {
+    with_device(|device| {
+        pipelines::answer(SUCCESS, SUCCESS);
+        let stages = [vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::FRAGMENT)
+            .name(c"main")];
+        let samples = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1)
+            .sample_shading_enable(true);
+        let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).multisample_state(&samples);
+        // A render pass without rates, where nothing stays finer than elsewhere.
+        let many = samples.rasterization_samples(vk::SampleCountFlags::TYPE_16);
+        let other = info.multisample_state(&many).render_pass(vk::RenderPass::from_raw(99));
+        let (result, made) = create(device, [info, other]);
+        assert_eq!((result, made), (SUCCESS, [1, 2]));
+    });
+    let decisions = crate::status::all_decisions();
+    assert!(decisions.iter().all(|decision| !decision.line.contains("many samples")), "{decisions:#?}");
+    for draws in ["fragment shaders of unknown code", "shading per sample"] {
+        let line = format!("draws with {draws}: shaded at 1x1, as ");
+        let found = decisions.iter().find(|decision| decision.line.starts_with(&line));
+        assert_eq!(found.map(|found| found.topic.reason()), Some(draws));
+    }
+}
+
+/// As in materials with virtual textures.
+#[test]
+fn shaders_that_store_are_coarse_if_the_configuration_allows_it() {
+    let rated = |code: &[u32], coarse_stores: bool| {
+        COARSE_STORES.set(coarse_stores);
+        with_device(|device| {
+            pipelines::answer(SUCCESS, SUCCESS);
+            let mut code = vk::ShaderModuleCreateInfo::default().code(code);
+            let stages = [vk::PipelineShaderStageCreateInfo::default()
+                .stage(vk::ShaderStageFlags::FRAGMENT)
+                .name(c"main")
+                .push_next(&mut code)];
+            let (result, _) = create(device, [vk::GraphicsPipelineCreateInfo::default().stages(&stages)]);
+            assert_eq!(result, SUCCESS);
+            COARSE_STORES.set(false);
+            pipelines::combiners()
+        })
+    };
+    use vk::FragmentShadingRateCombinerOpKHR as Combiner;
+    let coarse = Some([Combiner::KEEP, Combiner::REPLACE]);
+    let [stores, stores_and_discards] = [false, true].map(storing_shader);
+    assert_eq!([false, true].map(|allows| rated(&stores, allows)), [None, coarse]);
+    assert_eq!([false, true].map(|allows| rated(&stores_and_discards, allows)), [None; 2], "other obstacles");
+    assert_eq!([false, true].map(|allows| rated(&plain_shader(), allows)), [coarse; 2]);
+    assert_eq!([false, true].map(|allows| rated(&[0; 8], allows)), [None; 2], "unknown code");
+}
+
 #[test]
 fn effects_are_kept_by_module_identifier() {
     with_device(|device| {
-        let code = crate::vk::shaders::effects::tests::plain_shader();
+        let code = plain_shader();
         let info = vk::ShaderModuleCreateInfo::default().code(&code);
         let mut identifier = vk::ShaderModuleIdentifierEXT::default();
         let function = device_function(device, c"vkGetShaderModuleCreateInfoIdentifierEXT");

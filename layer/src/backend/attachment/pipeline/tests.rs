@@ -1,6 +1,8 @@
 use super::*;
 use crate::abi::copies::room;
 use crate::backend::attachment::capabilities::tests::offered;
+use crate::backend::attachment::full_rate::causes;
+use crate::vk::shaders::Effects;
 use ash::vk::Handle;
 use vk::FragmentShadingRateCombinerOpKHR as Combiner;
 
@@ -37,7 +39,9 @@ fn linked(
     let mut copies = Copies::new(&mut room);
     // SAFETY: valid structures that outlive the copies.
     unsafe {
-        let (more, rate) = with_rates(info, &offered([16, 16]), |_| effects, libraries, is_own, &mut copies);
+        let capabilities = offered([16, 16]);
+        let every_pixel = causes(info, &capabilities.limits, |_| effects).are_any();
+        let (more, rate) = with_rates(info, &capabilities, every_pixel, libraries, is_own, &mut copies);
         let flags2 = find::<Flags2<'_>>(more.p_next);
         Outcome {
             flagged: flags2.map_or(more.flags.contains(FLAG), |flags| {

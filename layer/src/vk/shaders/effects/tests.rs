@@ -52,6 +52,13 @@ pub fn plain_shader() -> Vec<u32> {
     shader(&[], &[], &[], &[])
 }
 
+/// A fragment shader that writes to an image, and discards or not.
+pub fn storing_shader(discards: bool) -> Vec<u32> {
+    let store = [(op::IMAGE_WRITE, &[1u32, 2, 3][..])];
+    let discard = [store[0], (op::KILL, &[])];
+    shader(&[], &[], if discards { &discard } else { &store }, &[])
+}
+
 fn effects(words: &[u32]) -> Effects {
     FragmentShaders::read(words).unwrap().effects("main")
 }

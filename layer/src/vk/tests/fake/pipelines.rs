@@ -1,17 +1,30 @@
 //! A driver that refuses pipelines and shaders with the additions for rate attachments.
 
+use crate::abi::copies::find;
 use ash::vk::{self, Handle};
 use std::cell::{Cell, RefCell};
 use std::ffi::CStr;
 
 thread_local! {
     static ANSWERS: Cell<[vk::Result; 2]> = const { Cell::new([vk::Result::SUCCESS; 2]) };
+    static FIRST: Cell<Option<vk::Result>> = const { Cell::new(None) };
+    static COMBINERS: Cell<Option<[vk::FragmentShadingRateCombinerOpKHR; 2]>> = const { Cell::new(None) };
     static SEEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
 /// From now on, creation on this thread returns the first result with the additions for rate attachments, and the second without.
 pub fn answer(amended: vk::Result, plain: vk::Result) {
     ANSWERS.set([amended, plain]);
+}
+
+/// The next creation on this thread with the additions for rate attachments, and no other, returns this result.
+pub fn answer_first(amended: vk::Result) {
+    FIRST.set(Some(amended));
+}
+
+/// The combiners of the rate of the last call's first pipeline; `None` without a rate.
+pub fn combiners() -> Option<[vk::FragmentShadingRateCombinerOpKHR; 2]> {
+    COMBINERS.get()
 }
 
 /// Creations and destructions on this thread since the last call.
@@ -26,6 +39,10 @@ pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
         b"vkDestroyPipeline" => destroy_pipeline as vk::PFN_vkDestroyPipeline as *const (),
         b"vkCreateShadersEXT" => create_shaders as vk::PFN_vkCreateShadersEXT as *const (),
         b"vkDestroyShaderEXT" => destroy_shader as vk::PFN_vkDestroyShaderEXT as *const (),
+        b"vkCreateShaderModule" => create_module as vk::PFN_vkCreateShaderModule as *const (),
+        b"vkGetShaderModuleIdentifierEXT" => {
+            identify_module as vk::PFN_vkGetShaderModuleIdentifierEXT as *const ()
+        }
         b"vkGetShaderModuleCreateInfoIdentifierEXT" => {
             identify as vk::PFN_vkGetShaderModuleCreateInfoIdentifierEXT as *const ()
         }
@@ -42,7 +59,7 @@ pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
 /// There is room for that many handles.
 unsafe fn create<H: Handle>(is_amended: bool, count: u32, made: *mut H) -> vk::Result {
     let [amended, plain] = ANSWERS.get();
-    let answer = if is_amended { amended } else { plain };
+    let answer = if is_amended { FIRST.take().unwrap_or(amended) } else { plain };
     SEEN.with_borrow_mut(|seen| {
         seen.push(format!("{} {count}", if is_amended { "amended" } else { "plain" }));
     });
@@ -72,7 +89,11 @@ unsafe extern "system" fn create_pipelines(
 ) -> vk::Result {
     let flag = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
     // SAFETY: valid usage, with at least one structure.
-    unsafe { create((*infos).flags.contains(flag), count, made) }
+    unsafe {
+        let rate = find::<vk::PipelineFragmentShadingRateStateCreateInfoKHR<'_>>((*infos).p_next);
+        COMBINERS.set(rate.map(|rate| rate.combiner_ops));
+        create((*infos).flags.contains(flag), count, made)
+    }
 }
 
 /// # Safety
@@ -101,21 +122,57 @@ unsafe extern "system" fn create_shaders(
     unsafe { create((*infos).flags.contains(flag), count, made) }
 }
 
-/// The identifier of every module of the stand-in's.
+/// The identifier of code that comes without a module.
 pub const IDENTIFIER: &[u8] = b"of the stand-in";
+
+/// The identifier of such code of zeros, which is none.
+pub const OF_ZEROS: &[u8] = b"of zeros";
+
+/// The identifier of every module.
+pub const OF_MODULE: &[u8] = b"of a module";
+
+/// # Safety
+///
+/// As the call.
+unsafe extern "system" fn create_module(
+    _: vk::Device,
+    _: *const vk::ShaderModuleCreateInfo<'_>,
+    _: *const vk::AllocationCallbacks<'_>,
+    module: *mut vk::ShaderModule,
+) -> vk::Result {
+    // SAFETY: valid usage.
+    unsafe { module.write(vk::ShaderModule::from_raw(1)) };
+    vk::Result::SUCCESS
+}
+
+/// # Safety
+///
+/// As the call.
+unsafe extern "system" fn identify_module(
+    _: vk::Device,
+    _: vk::ShaderModule,
+    identifier: *mut vk::ShaderModuleIdentifierEXT<'_>,
+) {
+    // SAFETY: valid usage.
+    write_identifier(OF_MODULE, unsafe { &mut *identifier });
+}
+
+fn write_identifier(bytes: &[u8], identifier: &mut vk::ShaderModuleIdentifierEXT<'_>) {
+    identifier.identifier_size = bytes.len() as u32;
+    identifier.identifier[..bytes.len()].copy_from_slice(bytes);
+}
 
 /// # Safety
 ///
 /// As the call.
 unsafe extern "system" fn identify(
     _: vk::Device,
-    _: *const vk::ShaderModuleCreateInfo<'_>,
+    info: *const vk::ShaderModuleCreateInfo<'_>,
     identifier: *mut vk::ShaderModuleIdentifierEXT<'_>,
 ) {
-    // SAFETY: valid usage.
-    let identifier = unsafe { &mut *identifier };
-    identifier.identifier_size = IDENTIFIER.len() as u32;
-    identifier.identifier[..IDENTIFIER.len()].copy_from_slice(IDENTIFIER);
+    // SAFETY: valid usage, with at least one word of code.
+    let (first, identifier) = unsafe { (*(*info).p_code, &mut *identifier) };
+    write_identifier(if first == 0 { OF_ZEROS } else { IDENTIFIER }, identifier);
 }
 
 /// # Safety

@@ -1,0 +1,47 @@
+//! Creations that fail with the additions for rate attachments.
+
+use super::attach::RateAttachments;
+use crate::status::{Topic, decided};
+use ash::vk;
+use std::sync::atomic::Ordering;
+
+impl RateAttachments {
+    /// From now on dynamic rendering gets no attachments: there are such objects of the application, refused with the additions, that may not be
+    /// used with attachments (VUID-vkCmdDraw-imageView-06183).
+    pub(super) fn leave_rendering_alone(&self, objects: &str, refused: vk::Result) {
+        if !self.rendering_is_left_alone.swap(true, Ordering::Relaxed) {
+            decided(
+                Topic::FullRate(format!("{objects} that the driver creates only without shading rates")),
+                &format_args!(
+                    "dynamic rendering: shaded at 1x1 until a restart of the application, as the driver creates {objects} only \
+                     without shading rates: {refused:?}"
+                ),
+            );
+        }
+    }
+
+    /// Whether dynamic rendering gets attachments.
+    pub fn attaches_to_rendering(&self) -> bool {
+        !self.rendering_is_left_alone.load(Ordering::Relaxed)
+    }
+}
+
+/// The result of a creation with our additions, which is repeated once for want of memory: as the consequence of a refusal lasts, a passing
+/// lack must not count as one. `discard` destroys the objects of a failed attempt.
+pub(super) fn create_amended(create: impl Fn() -> vk::Result, discard: impl Fn()) -> vk::Result {
+    let mut result = create();
+    if [vk::Result::ERROR_OUT_OF_HOST_MEMORY, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY].contains(&result) {
+        discard();
+        result = create();
+    }
+    if may_be_ours(result) {
+        discard();
+    }
+    result
+}
+
+/// Whether a creation may have failed because of our additions, so that it is worth repeating without them. Positive
+/// codes are not failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
+pub(super) fn may_be_ours(result: vk::Result) -> bool {
+    result.as_raw() < 0 && result != vk::Result::ERROR_DEVICE_LOST
+}
