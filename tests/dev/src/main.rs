@@ -12,6 +12,7 @@ mod engines;
 mod meter;
 mod monado;
 mod packages;
+mod release;
 mod sanitize;
 mod setup;
 mod steps;

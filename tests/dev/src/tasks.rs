@@ -4,6 +4,7 @@ use crate::building::build_with_progress;
 use crate::compare;
 use crate::drivers::unpack_release;
 use crate::packages::can_build_audio;
+use crate::release::{build_layer, build_package};
 use crate::setup::{Voice, setup, setup_for_demo};
 use crate::steps::{Steps, cargo, profile_folder};
 use crate::suite::{self, Options, Summary};
@@ -190,8 +191,7 @@ pub fn bench(arguments: &[String]) -> Result<(), String> {
     command.args(bench).args(rest);
     if name == "overhead" && rest.iter().any(|argument| argument == "--driver") {
         // Budgets are of the library that users have.
-        let release = ["build", "--locked", "--release", "--package", "parafovea-layer"];
-        steps.run("release build of the layer", in_root(cargo().args(release)))?;
+        build_layer(&mut steps)?;
         let target = profile_folder()?.parent().ok_or("the target folder is not known")?.to_owned();
         command.arg("--library").arg(target.join("release/libparafovea.so"));
     }
@@ -268,12 +268,7 @@ pub fn dist(arguments: &[String]) -> Result<(), String> {
     }
     setup(Voice::Implied)?;
     let mut steps = Steps::default();
-    let mut release = cargo();
-    release.args(["build", "--locked", "--release", "-p", "parafovea", "-p", "parafovea-layer"]);
-    if can_build_audio() {
-        release.args(["-p", "parafovea-audio"]);
-    }
-    steps.run("cargo build --release", in_root(&mut release))?;
+    build_package(&mut steps)?;
     steps.run(
         "cargo build",
         in_root(cargo().args(["build", "--locked", "-p", "parafovea-tests", "--bin", "parafovea-dist"])),
