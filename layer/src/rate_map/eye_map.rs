@@ -1,6 +1,6 @@
 //! The plan of one eye.
 
-use super::rates::{FULL, RateSet, TILE_BYTES, TileBytes, UsedRates};
+use super::rates::{FULL, RateSet, UsedRates, clean, unary_of};
 use parafovea_core::reuse::StaleTiles;
 
 /// Rates of one eye buffer, see [`crate::link::EyeMapRecord`].
@@ -30,11 +30,9 @@ impl EyeMap {
             return;
         }
         (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
-        let TileBytes { texels: clean, unary, used } = &*TILE_BYTES;
-        self.texels.extend(texels.iter().map(|byte| clean[usize::from(*byte)]));
-        self.unary.extend(texels.iter().map(|byte| unary[usize::from(*byte)]));
-        let used = texels.iter().map(|byte| used[usize::from(*byte)]);
-        self.used = used.fold(UsedRates::default(), UsedRates::union);
+        self.texels.extend(texels.iter().copied().map(clean));
+        self.unary.extend(self.texels.iter().copied().map(unary_of));
+        self.used = UsedRates::of(&self.texels);
         self.stale.set(extent, texel, &self.texels);
     }
 

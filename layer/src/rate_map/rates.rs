@@ -2,7 +2,6 @@
 
 use parafovea_core::rate::ShadingRate;
 use parafovea_core::reuse::STALE;
-use std::sync::LazyLock;
 
 /// Unary of 1x1.
 pub(super) const FULL: u8 = 0;
@@ -83,14 +82,17 @@ pub(super) fn unary(rate: ShadingRate) -> u8 {
     side(rate.width()) << 2 | side(rate.height())
 }
 
-/// Tiles' bytes in the map of an eye's rates, by byte, in the forms that the kernel needs.
-pub(super) struct TileBytes {
-    /// The texel with [`STALE`]; 1x1 for a byte that is not a rate.
-    pub(super) texels: [u8; 256],
-    /// Unary, with [`STALE`].
-    pub(super) unary: [u8; 256],
-    /// The rate, and whether it is coarser than 1x1 and not stale.
-    pub(super) used: [UsedRates; 256],
+/// The texel of a tile's byte, with [`STALE`]; 1x1 for a byte that is not a rate.
+pub(super) fn clean(byte: u8) -> u8 {
+    // As `ShadingRate::from_texel`, in comparisons that the compiler makes for many tiles at once.
+    let is_rate = byte & !STALE < 0b1100 && byte & 0b11 != 0b11;
+    if is_rate { byte } else { byte & STALE }
+}
+
+/// The unary rate of a texel of [`clean`], with [`STALE`].
+pub(super) fn unary_of(texel: u8) -> u8 {
+    // The upper bit of each side sets the lower one, too: 0b10 becomes 0b11.
+    texel | texel >> 1 & 0b0101
 }
 
 /// Some rates, and whether any tile with one of them is coarser than 1x1 and not stale.
@@ -100,9 +102,17 @@ pub(super) struct UsedRates(u32);
 impl UsedRates {
     const COARSENS: u32 = 1 << 16;
 
-    /// Rates of both.
-    pub(super) fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+    /// Those of texels of [`clean`].
+    pub(super) fn of(texels: &[u8]) -> Self {
+        let mut has = [false; 256];
+        for texel in texels {
+            has[usize::from(*texel)] = true;
+        }
+        let has = |texel: usize| has[texel];
+        let rates = (0..16).filter(|rate| has(*rate) || has(rate | usize::from(STALE)));
+        let used = rates.fold(0, |used, rate| used | 1 << rate);
+        let coarsens = (1..16).any(has);
+        Self(used | if coarsens { Self::COARSENS } else { 0 })
     }
 
     pub(super) fn rates(self) -> RateSet {
@@ -113,18 +123,3 @@ impl UsedRates {
         self.0 & Self::COARSENS != 0
     }
 }
-
-pub(super) static TILE_BYTES: LazyLock<TileBytes> = LazyLock::new(|| {
-    let rate = |byte: u8| ShadingRate::from_texel(byte & !STALE).unwrap_or(ShadingRate::R1X1);
-    TileBytes {
-        texels: std::array::from_fn(|byte| rate(byte as u8).texel() | byte as u8 & STALE),
-        unary: std::array::from_fn(|byte| unary(rate(byte as u8)) | byte as u8 & STALE),
-        used: std::array::from_fn(|byte| {
-            let (byte, rate) = (byte as u8, rate(byte as u8));
-            let mut used = RateSet::default();
-            used.insert(rate);
-            let coarsens = byte & STALE == 0 && rate != ShadingRate::R1X1;
-            UsedRates(u32::from(used.0) | if coarsens { UsedRates::COARSENS } else { 0 })
-        }),
-    }
-});

@@ -1,6 +1,6 @@
 //! The texels of a rate image against a look at every pixel.
 
-use super::rates::TILE_BYTES;
+use super::rates::{RateSet, UsedRates, clean, unary, unary_of};
 use super::*;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::resolve as kernel;
@@ -247,7 +247,7 @@ proptest! {
             // All tiles below the texel's rows; its columns are in one.
             let rows = row * side..((row + 1) * side).min(extent[1]);
             let below = rows.map(|y| (flipped(y) / tile[1] * tiles[0] + column / times[0]) as usize);
-            let unary = below.map(|tile| TILE_BYTES.unary[usize::from(texels[tile])]);
+            let unary = below.map(|tile| unary_of(texels[tile]));
             let finest = unary.fold(COARSEST, |finest, unary| finest & unary);
             prop_assert_eq!(*texel, rates.of_unary(finest), "texel {}, {}", column, row);
         }
@@ -287,7 +287,7 @@ fn a_wide_plan_is_spread_over_the_texels_that_show_it() {
     let part = Part { rect: [0.0, 0.0, 15.0, 1.0], ..whole(Eyes::Left, Orientation::Upright) };
     for rates in [all_rates(), DeviceRates::new([ShadingRate::R2X2].into_iter())] {
         let out = resolved([&map, &EyeMap::default()], &[part], &image, &rates);
-        let tile = |index: usize| TILE_BYTES.unary[usize::from(map.texels()[index % 40 / 2])];
+        let tile = |index: usize| unary_of(map.texels()[index % 40 / 2]);
         let expected = (0..80).map(|index| rates.of_unary(tile(index)));
         assert_eq!(out, expected.collect::<Vec<_>>());
     }
@@ -300,8 +300,26 @@ fn the_last_texel_has_the_rate_of_its_own_tile() {
     let image = image([0, 0, 40, 16], [8, 8], 1);
     let part = Part { rect: [0.0, 0.0, 2.4, 1.0], ..whole(Eyes::Left, Orientation::Upright) };
     let out = resolved([&map, &EyeMap::default()], &[part], &image, &all_rates());
-    let tile = |index: usize| TILE_BYTES.unary[usize::from(map.texels()[index % 5 / 2])];
+    let tile = |index: usize| unary_of(map.texels()[index % 5 / 2]);
     assert_eq!(out, (0..10).map(|index| all_rates().of_unary(tile(index))).collect::<Vec<_>>());
+}
+
+#[test]
+fn each_byte_has_its_rate() {
+    for byte in 0..=u8::MAX {
+        let (rate, stale) = (ShadingRate::from_texel(byte & !STALE), byte & STALE);
+        let rate = rate.unwrap_or(ShadingRate::R1X1);
+        assert_eq!(clean(byte), rate.texel() | stale, "{byte:#b}");
+        assert_eq!(unary_of(clean(byte)), unary(rate) | stale, "{byte:#b}");
+        let used = UsedRates::of(&[clean(byte)]);
+        let mut expected = RateSet::default();
+        expected.insert(rate);
+        assert_eq!((used.rates(), used.coarsens()), (expected, stale == 0 && rate != ShadingRate::R1X1));
+    }
+    let used = UsedRates::of(&[ShadingRate::R2X2.texel() | STALE, ShadingRate::R2X1.texel()]);
+    let mut expected = RateSet::default();
+    [ShadingRate::R2X1, ShadingRate::R2X2].into_iter().for_each(|rate| expected.insert(rate));
+    assert_eq!((used.rates(), used.coarsens()), (expected, true));
 }
 
 #[test]
