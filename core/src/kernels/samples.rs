@@ -1,7 +1,7 @@
 //! Reference of the kernel `samples`: the skipped pixels of pictures and depth of several samples, drawn to all samples of a pixel.
 //!
 //! Colour is that of a picture of one sample, to which the samples were resolved and in which skipped blocks were filled. Depth is that of a
-//! source pixel in the nearest ring of blocks that has a shaded one: depth is not interpolated, see [`super::depth`].
+//! source pixel in the nearest ring of blocks that has a shaded one: depth is not interpolated, see [`super::nearest`].
 
 use crate::layout::uniform;
 use crate::mask::{BLOCK, DepthFormat, EarlyReturnParams, REACH, TemplateDepths};
