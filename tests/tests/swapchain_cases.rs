@@ -161,6 +161,25 @@ fn vulkan_1_0_application() {
     Case { arguments: &["--vulkan", "1.0"], ..Case::new("separate_swapchains") }.check();
 }
 
+/// As [`ANALYZED`], with temporal re-use.
+const REUSED: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[reuse]\nmode = \"on\"\n";
+
+/// xrgears and xrdesktop leave `type` and `next` of the images uninitialised.
+#[test]
+fn untyped_images() {
+    let case = Case {
+        arguments: &["--untyped-images"],
+        openxr_validation: false,
+        scenario: |scenario| scenario.swapchain.unread_images = true,
+        ..Case::new("separate_swapchains")
+    };
+    case.check();
+    let outcome = run(&case, Some(REUSED));
+    assert_eq!(outcome.report.unexpected, Vec::<String>::new(), "{}", outcome.outcome.log);
+    assert!(outcome.outcome.log.contains("6 images of the layer"), "{}", outcome.outcome.log);
+}
+
 /// Translated applications, whose draws may be submitted after the image was returned: their pictures are analysed when the frame ends.
 #[test]
 fn direct3d_applications() {

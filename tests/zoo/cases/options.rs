@@ -49,6 +49,9 @@ pub struct Options {
     /// Engine name for Vulkan
     #[arg(long, default_value = "none")]
     pub engine: CString,
+    /// Enumerate images into structures with neither type nor next pointer, as xrgears and xrdesktop do
+    #[arg(long)]
+    pub untyped_images: bool,
     /// A file whose lock (flock) is held around each vkQueueSubmit
     #[arg(long)]
     pub submit_lock: Option<PathBuf>,

@@ -265,12 +265,7 @@ pub fn enumerate_into(
     capacity: u32,
 ) -> (xr::Result, u32, Vec<vk::Image>) {
     use ash::vk::Handle as _;
-    let blank = xr::SwapchainImageVulkanKHR {
-        ty: xr::SwapchainImageVulkanKHR::TYPE,
-        next: std::ptr::null_mut(),
-        image: 0,
-    };
-    let mut images = vec![blank; capacity as usize];
+    let mut images = vec![session.app.blank_image; capacity as usize];
     let array = if capacity == 0 { std::ptr::null_mut() } else { images.as_mut_ptr() };
     let mut count = 0;
     // SAFETY: the array has the capacity that is passed, and outlives the call.

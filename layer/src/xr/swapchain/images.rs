@@ -74,16 +74,10 @@ unsafe fn enumerate_ours(
         return xr::Result::ERROR_VALIDATION_FAILURE;
     }
     let images = images.cast::<xr::SwapchainImageVulkanKHR>();
-    // SAFETY: valid usage demands an array of `capacity` structures, which are no fewer than ours; in a Vulkan session each is an
-    // XrSwapchainImageVulkanKHR, which its type confirms.
-    unsafe {
-        let is_vulkan = |at| (*images.add(at)).ty == xr::SwapchainImageVulkanKHR::TYPE;
-        if !(0..ours.len()).all(is_vulkan) {
-            return xr::Result::ERROR_VALIDATION_FAILURE;
-        }
-        for (at, image) in ours.iter().enumerate() {
-            (*images.add(at)).image = image.as_raw();
-        }
+    for (at, image) in ours.iter().enumerate() {
+        // SAFETY: valid usage demands an array of `capacity` structures, which are no fewer than ours; in a Vulkan session each is an
+        // XrSwapchainImageVulkanKHR. Its other members stay unread: xrgears and xrdesktop leave them uninitialised, as Monado allows.
+        unsafe { (&raw mut (*images.add(at)).image).write(image.as_raw()) };
     }
     xr::Result::SUCCESS
 }
@@ -103,13 +97,10 @@ unsafe fn runtimes(
     }
     let images = images.cast::<xr::SwapchainImageVulkanKHR>();
     // SAFETY: the call succeeded: there is an array of `capacity` structures, of which `count` were written; in a Vulkan
-    // session each is an XrSwapchainImageVulkanKHR, which its type confirms.
+    // session each is an XrSwapchainImageVulkanKHR, of which the runtime wrote one member. The others may be uninitialised.
     unsafe {
-        let written = (0..(*count).min(capacity) as usize).map(|at| &*images.add(at));
-        written
-            .filter(|image| image.ty == xr::SwapchainImageVulkanKHR::TYPE)
-            .map(|image| vk::Image::from_raw(image.image))
-            .collect()
+        let image = |at| vk::Image::from_raw((&raw const (*images.add(at)).image).read());
+        (0..(*count).min(capacity) as usize).map(image).collect()
     }
 }
 
