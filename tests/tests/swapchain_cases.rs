@@ -180,6 +180,26 @@ fn untyped_images() {
     assert!(outcome.outcome.log.contains("6 images of the layer"), "{}", outcome.outcome.log);
 }
 
+/// LÖVR enumerates once, with room for four images, which are fewer than re-use needs and more than the runtime has.
+#[test]
+fn one_array_of_four_images() {
+    let case = Case { arguments: &["--image-capacity", "4"], ..Case::new("separate_swapchains") };
+    let Finished { outcome, report, .. } = run(&case, Some(REUSED));
+    assert_eq!(report.unexpected, Vec::<String>::new(), "{}", outcome.log);
+    assert_eq!((outcome.exit_code, report.image_counts), (Some(0), vec![4, 4]), "{}", outcome.log);
+    assert!(outcome.findings.beyond(&Default::default()).is_empty(), "{:#?}", outcome.findings);
+    let told = "less room for re-use in a swapchain: the application takes 4 of 6 images";
+    assert_eq!(outcome.log.matches(told).count(), 2, "{}", outcome.log);
+    // Room for three is that of the runtime's number, and room for two is too little for either.
+    let three = Case { arguments: &["--image-capacity", "3"], ..Case::new("separate_swapchains") };
+    let Finished { outcome, report, .. } = run(&three, Some(REUSED));
+    assert_eq!(report.image_counts, [3, 3]);
+    assert!(outcome.log.contains("no re-use in a swapchain: the application takes 3 of 6 images"));
+    let two = Case { arguments: &["--image-capacity", "2"], ..Case::new("separate_swapchains") };
+    let refused = run(&two, Some(REUSED)).report.unexpected;
+    assert!(refused.iter().any(|failure| failure.contains("SIZE_INSUFFICIENT")), "{refused:?}");
+}
+
 /// Translated applications, whose draws may be submitted after the image was returned: their pictures are analysed when the frame ends.
 #[test]
 fn direct3d_applications() {

@@ -19,6 +19,8 @@ pub struct App {
     pub view_sizes: [[u32; 2]; 2],
     /// The structure that images are enumerated into.
     pub blank_image: xr::SwapchainImageVulkanKHR,
+    /// Length of the array for a swapchain's images; `None` to ask for their number.
+    pub image_capacity: Option<u32>,
     report: RefCell<Report>,
 }
 
@@ -30,6 +32,7 @@ impl App {
             painter: RefCell::new(Painter::create(&vulkan, options.submit_lock.as_deref())?),
             view_sizes: xr.view_sizes()?,
             blank_image: blank_image(options.untyped_images),
+            image_capacity: options.image_capacity,
             vulkan,
             xr,
             report: RefCell::default(),

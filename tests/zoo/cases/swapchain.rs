@@ -251,10 +251,17 @@ fn create(session: &Session, shape: &Shape) -> Result<xr::Swapchain, Failure> {
 
 fn enumerate(session: &Session, handle: xr::Swapchain) -> Result<Vec<vk::Image>, Failure> {
     const CALL: &str = "xrEnumerateSwapchainImages";
-    let (result, count, _) = enumerate_into(session, handle, 0);
+    let capacity = match session.app.image_capacity {
+        Some(capacity) => capacity,
+        None => {
+            let (result, count, _) = enumerate_into(session, handle, 0);
+            succeeded(CALL, result)?;
+            count
+        }
+    };
+    let (result, count, mut images) = enumerate_into(session, handle, capacity);
     succeeded(CALL, result)?;
-    let (result, _, images) = enumerate_into(session, handle, count);
-    succeeded(CALL, result)?;
+    images.truncate(count as usize);
     Ok(images)
 }
 
