@@ -119,6 +119,7 @@ cases! {
     resolution_change,
     projection_and_quad,
     quad_only { analyzed: false },
+    overlays_before_the_eyes { left_alone: 24 },
     alpha_patterns,
     depth_layer,
     acquire_all,
@@ -139,7 +140,7 @@ cases! {
     forks,
     swapchains_on_threads { in_order: false },
     devices_on_threads,
-    unknown_structures { openxr_validation: false, left_alone: 32 },
+    unknown_structures { openxr_validation: false, left_alone: 64 },
     no_actions { gaze: Gaze::Tracker },
     own_actions { gaze: Gaze::Tracker, scenario: press_select },
     own_actions_and_resubmission { gaze: Gaze::Tracker, scenario: glance, analyzed: false },
@@ -198,6 +199,14 @@ fn one_array_of_four_images() {
     let two = Case { arguments: &["--image-capacity", "2"], ..Case::new("separate_swapchains") };
     let refused = run(&two, Some(REUSED)).report.unexpected;
     assert!(refused.iter().any(|failure| failure.contains("SIZE_INSUFFICIENT")), "{refused:?}");
+}
+
+/// Overlays get no images for re-use.
+#[test]
+fn the_eyes_alone_keep_pictures() {
+    let Finished { outcome, report, .. } = run(&Case::new("overlays_before_the_eyes"), Some(REUSED));
+    assert_eq!(report.unexpected, Vec::<String>::new(), "{}", outcome.log);
+    assert_eq!(report.image_counts, [3, 3, 3, 3, 3, 3, 3, 3, 6, 6], "{}", outcome.log);
 }
 
 /// Translated applications, whose draws may be submitted after the image was returned: their pictures are analysed when the frame ends.

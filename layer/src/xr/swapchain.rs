@@ -9,6 +9,7 @@ mod depth;
 mod description;
 mod drawn_over;
 mod eligibility;
+mod eye_sizes;
 mod free;
 mod held_release;
 mod history_memory;
