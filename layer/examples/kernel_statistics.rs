@@ -110,6 +110,7 @@ unsafe fn device() -> Result<DeviceRecord, String> {
             next_get_instance_proc_addr: entry.static_fn().get_instance_proc_addr,
             next_get_device_proc_addr: asking,
             set_device_loader_data,
+            queue_submit: None,
             arming: parafovea::config::Arming::Rates as u32,
             submits_late: 0,
         };

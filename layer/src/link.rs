@@ -22,7 +22,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 22;
+pub const LINK_VERSION: u32 = 23;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -113,6 +113,8 @@ pub struct DeviceRecord {
     /// (command buffers, queues) before it is used with the next layer's functions.
     pub set_device_loader_data:
         unsafe extern "system" fn(device: vk::Device, object: *mut c_void) -> vk::Result,
+    /// The next layer's `vkQueueSubmit`, one call at a time on each queue, the application's included; `None`: as the next layer has it.
+    pub queue_submit: Option<vk::PFN_vkQueueSubmit>,
     /// [`Arming`](crate::config::Arming) of the device.
     pub arming: u32,
     /// 1 where the draws to an image may be submitted after its xrReleaseSwapchainImage, before xrEndFrame; else 0.

@@ -31,6 +31,7 @@ mod newer;
 pub(crate) mod objects;
 mod perception;
 mod pre_submit;
+mod queue_locks;
 pub(crate) mod quirks;
 mod recording;
 mod runtime_section;

@@ -358,7 +358,7 @@ options! {
 
     /// Chroma attenuation: less colour away from the gaze.
     chroma: Chroma {
-        /// Chroma attenuation.
+        /// Chroma attenuation; attenuated colours can fall outside the colour key of ALVR's passthrough.
         mode: ChromaMode = ChromaMode::Off;
         /// Parameter Z of the curve for blue-yellow (Cb), for mode = "paper"; a higher value removes more colour.
         cb_bound: f32 = 0.70, 0.70..=0.85 "";

@@ -13,7 +13,7 @@ const CHROMA: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\n
 #[test]
 fn sessions_on_one_device_share_pipelines_which_go_with_it() {
     let application = Application::ours("parafovea-cases", &["--soak", "1"]).unwrap();
-    let outcome = Run::new(&application, &Scenario::new(0))
+    let outcome = Run::new(&application, &Scenario::new(0).sized(96, 112))
         .on(CHROMA)
         .faulted(None)
         .validated()

@@ -119,6 +119,7 @@ cases! {
     resolution_change,
     projection_and_quad,
     quad_only { analyzed: false },
+    overlays_before_the_eyes { left_alone: 24 },
     alpha_patterns,
     depth_layer,
     acquire_all,
@@ -139,7 +140,7 @@ cases! {
     forks,
     swapchains_on_threads { in_order: false },
     devices_on_threads,
-    unknown_structures { openxr_validation: false, left_alone: 32 },
+    unknown_structures { openxr_validation: false, left_alone: 64 },
     no_actions { gaze: Gaze::Tracker },
     own_actions { gaze: Gaze::Tracker, scenario: press_select },
     own_actions_and_resubmission { gaze: Gaze::Tracker, scenario: glance, analyzed: false },
@@ -159,6 +160,53 @@ fn vulkan_enable_with_vulkan_first() {
 #[test]
 fn vulkan_1_0_application() {
     Case { arguments: &["--vulkan", "1.0"], ..Case::new("separate_swapchains") }.check();
+}
+
+/// As [`ANALYZED`], with temporal re-use.
+const REUSED: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[reuse]\nmode = \"on\"\n";
+
+/// xrgears and xrdesktop leave `type` and `next` of the images uninitialised.
+#[test]
+fn untyped_images() {
+    let case = Case {
+        arguments: &["--untyped-images"],
+        openxr_validation: false,
+        scenario: |scenario| scenario.swapchain.unread_images = true,
+        ..Case::new("separate_swapchains")
+    };
+    case.check();
+    let outcome = run(&case, Some(REUSED));
+    assert_eq!(outcome.report.unexpected, Vec::<String>::new(), "{}", outcome.outcome.log);
+    assert!(outcome.outcome.log.contains("6 images of the layer"), "{}", outcome.outcome.log);
+}
+
+/// LÖVR enumerates once, with room for four images, which are fewer than re-use needs and more than the runtime has.
+#[test]
+fn one_array_of_four_images() {
+    let case = Case { arguments: &["--image-capacity", "4"], ..Case::new("separate_swapchains") };
+    let Finished { outcome, report, .. } = run(&case, Some(REUSED));
+    assert_eq!(report.unexpected, Vec::<String>::new(), "{}", outcome.log);
+    assert_eq!((outcome.exit_code, report.image_counts), (Some(0), vec![4, 4]), "{}", outcome.log);
+    assert!(outcome.findings.beyond(&Default::default()).is_empty(), "{:#?}", outcome.findings);
+    let told = "less room for re-use in a swapchain: the application takes 4 of 6 images";
+    assert_eq!(outcome.log.matches(told).count(), 2, "{}", outcome.log);
+    // Room for three is that of the runtime's number, and room for two is too little for either.
+    let three = Case { arguments: &["--image-capacity", "3"], ..Case::new("separate_swapchains") };
+    let Finished { outcome, report, .. } = run(&three, Some(REUSED));
+    assert_eq!(report.image_counts, [3, 3]);
+    assert!(outcome.log.contains("no re-use in a swapchain: the application takes 3 of 6 images"));
+    let two = Case { arguments: &["--image-capacity", "2"], ..Case::new("separate_swapchains") };
+    let refused = run(&two, Some(REUSED)).report.unexpected;
+    assert!(refused.iter().any(|failure| failure.contains("SIZE_INSUFFICIENT")), "{refused:?}");
+}
+
+/// Overlays get no images for re-use.
+#[test]
+fn the_eyes_alone_keep_pictures() {
+    let Finished { outcome, report, .. } = run(&Case::new("overlays_before_the_eyes"), Some(REUSED));
+    assert_eq!(report.unexpected, Vec::<String>::new(), "{}", outcome.log);
+    assert_eq!(report.image_counts, [3, 3, 3, 3, 3, 3, 3, 3, 6, 6], "{}", outcome.log);
 }
 
 /// Translated applications, whose draws may be submitted after the image was returned: their pictures are analysed when the frame ends.

@@ -115,6 +115,11 @@ impl Functions {
         }
         let address =
             |function: vk::PFN_vkVoidFunction| function.map_or(std::ptr::null(), |f| f as *const c_void);
+        // SAFETY: any function pointer may be carried as PFN_vkVoidFunction; ash casts it back by its name.
+        let submit: vk::PFN_vkVoidFunction = record.queue_submit.map(|submit| unsafe {
+            std::mem::transmute::<vk::PFN_vkQueueSubmit, unsafe extern "system" fn()>(submit)
+        });
+        let own = |name: &CStr| submit.filter(|_| name == c"vkQueueSubmit");
         // Only the names above: inside vkCreateDevice the loader answers the name of a device function by asking every
         // device of the instance, and the newest one has no dispatch table yet.
         let listed = |name: &CStr| INSTANCE.contains(&name).then(|| instance_function(name)).flatten();
@@ -122,7 +127,10 @@ impl Functions {
         unsafe {
             Ok(Self {
                 instance: ash::Instance::load_with(|name| address(listed(name)), record.instance),
-                device: ash::Device::load_with(|name| address(device_function(name)), record.device),
+                device: ash::Device::load_with(
+                    |name| address(own(name).or_else(|| device_function(name))),
+                    record.device,
+                ),
             })
         }
     }

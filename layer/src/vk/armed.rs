@@ -7,6 +7,7 @@ use super::layouts::Layouts;
 use super::objects::{Image, Objects, QueueId};
 use super::perception::Perception;
 use super::pre_submit::{PreSubmitRing, Submitter};
+use super::queue_locks::QueueLocks;
 use super::runtime_section;
 use super::table::Table;
 use super::timing::Timing;
@@ -52,6 +53,8 @@ pub struct Armed {
     pub frame: Frame,
     /// Our work ahead of the application's submits, by queue.
     pub rings: Table<vk::Queue, Arc<PreSubmitRing>>,
+    /// Held during calls down on a queue.
+    pub queue_locks: QueueLocks,
     /// Contrast of the pictures, and the decisions by it.
     pub perception: Perception,
     /// GPU time of its frames.
@@ -91,6 +94,7 @@ impl Armed {
             candidates: Candidates::default(),
             frame: Frame::default(),
             rings: Table::default(),
+            queue_locks: QueueLocks::default(),
             perception: Perception::default(),
             timing: Timing::new(record.physical_device, capabilities.is_cpu != 0),
             has_static_viewports: AtomicBool::new(false),
@@ -147,6 +151,7 @@ impl Armed {
             record: &self.record,
             functions: self.functions()?,
             submit: self.next.queue_submit?,
+            locks: &self.queue_locks,
             timing: &self.timing,
             frame: &self.frame,
             rings: &self.rings,

@@ -5,6 +5,7 @@ mod slot;
 pub use slot::Slot;
 
 use super::frame::Frame;
+use super::queue_locks::QueueLocks;
 use super::table::Table;
 use super::timing::{Timing, Work};
 use crate::gpu::GpuError;
@@ -40,6 +41,8 @@ pub struct Submitter<'a> {
     pub functions: &'a Functions,
     /// The next layer's vkQueueSubmit.
     pub submit: vk::PFN_vkQueueSubmit,
+    /// Held during a submit.
+    pub locks: &'a QueueLocks,
     /// The GPU time of frames.
     pub timing: &'a Timing,
     /// The current frame.

@@ -5,6 +5,7 @@ mod maps;
 
 use super::armed::Armed;
 use super::candidates::{Candidate, Need};
+use super::device::Device;
 use super::{device, recording, runtime_section};
 use crate::abi::copies::slice;
 use crate::abi::guard;
@@ -34,7 +35,7 @@ pub unsafe extern "system" fn submit(
             // SAFETY: the queue is live, and this thread may use it: vkQueueSubmit demands external synchronisation.
             unsafe { prepare_or_leave(armed, known.is_active(), queue, buffers.copied()) };
         }
-        let result = next();
+        let result = alone(&known, queue, next);
         if let Some(armed) = &known.armed {
             armed.timing.returned(queue, result);
         }
@@ -64,12 +65,36 @@ pub unsafe extern "system" fn submit2(
                 prepare_or_leave(armed, known.is_active(), queue, buffers.map(|info| info.command_buffer))
             };
         }
-        let result = next();
+        let result = alone(&known, queue, next);
         if let Some(armed) = &known.armed {
             armed.timing.returned(queue, result);
         }
         result
     })
+}
+
+/// `vkQueueSubmit` of the next layer, for work of the OpenXR half.
+///
+/// # Safety
+///
+/// The valid usage of the call; other threads may use the queue meanwhile.
+pub unsafe extern "system" fn submit_own(
+    queue: vk::Queue,
+    count: u32,
+    submits: *const vk::SubmitInfo<'_>,
+    fence: vk::Fence,
+) -> vk::Result {
+    hook!("vkQueueSubmit", device::with, queue_submit(queue, count, submits, fence), |known, next| {
+        alone(&known, queue, next)
+    })
+}
+
+/// Makes a call down on a queue; on an armed device, one at a time.
+fn alone<T>(known: &Device, queue: vk::Queue, next: impl FnOnce() -> T) -> T {
+    match &known.armed {
+        Some(armed) => armed.queue_locks.with(queue, next),
+        None => next(),
+    }
 }
 
 /// Candidates whose maps have to be written, the urgent ones too.

@@ -18,6 +18,7 @@ use std::cell::Cell;
 use std::ffi::{CStr, c_void};
 use std::mem::{MaybeUninit, transmute};
 use std::ptr::{null, null_mut};
+use std::sync::Barrier;
 
 thread_local! {
     static ARMING: Cell<Arming> = const { Cell::new(Arming::Rates) };
@@ -326,5 +327,34 @@ fn the_layer_answers_for_itself_alone() {
     };
     assert_eq!((result, count), (vk::Result::SUCCESS, 1));
     assert_eq!(properties[0].layer_name_as_c_str().unwrap(), LAYER_NAME);
+    destroy_instance(instance);
+}
+
+/// Threads of an application that keep to no order, and submits of the OpenXR half among theirs.
+#[test]
+fn submits_to_a_queue_come_one_at_a_time() {
+    const EACH: u32 = 200;
+    let instance = new_instance(None);
+    let device = new_device(instance);
+    let queue = fake::queue_of(device).as_raw();
+    let function = device_function(device, c"vkQueueSubmit");
+    // SAFETY: the name gives the type.
+    let hooked = unsafe { transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkQueueSubmit>(function) };
+    let submits = [hooked, hooked, record(device).unwrap().queue_submit.unwrap()];
+    let start = &Barrier::new(submits.len());
+    std::thread::scope(|scope| {
+        for submit in submits {
+            scope.spawn(move || {
+                start.wait();
+                for _ in 0..EACH {
+                    // SAFETY: a live queue, and nothing to submit.
+                    let result = unsafe { submit(vk::Queue::from_raw(queue), 0, null(), vk::Fence::null()) };
+                    assert_eq!(result, vk::Result::SUCCESS);
+                }
+            });
+        }
+    });
+    assert_eq!(fake::queue::seen(), [3 * EACH, 0]);
+    destroy_device(device);
     destroy_instance(instance);
 }

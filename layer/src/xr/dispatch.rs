@@ -11,6 +11,7 @@ functions! {
     c"xrPollEvent" poll_event: PollEvent => actions::poll_event;
     c"xrGetSystemProperties" get_system_properties:
         GetSystemProperties => offer::get_system_properties;
+    c"xrEnumerateViewConfigurationViews" enumerate_view_configuration_views: EnumerateViewConfigurationViews;
     c"xrStringToPath" string_to_path: StringToPath => actions::string_to_path;
     c"xrPathToString" path_to_string: PathToString;
 

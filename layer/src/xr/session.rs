@@ -31,6 +31,8 @@ pub struct Session {
     pub handle: xr::Session,
     /// Its instance.
     pub instance: Arc<Instance>,
+    /// Its headset.
+    pub system: xr::SystemId,
     /// The state of work on its device; `None` for an inert session.
     pub active: Option<Active>,
     /// Spaces of ours, if it is active or gives the gaze to the application, and they could be made.
@@ -224,7 +226,7 @@ pub(super) unsafe fn track(
     };
     let reporter = StatusReporter::begin(&environment, known, Arc::clone(&config.source), requests);
     let head = LocatedHead::default();
-    let session = Session { handle, instance, active, spaces, head, actions, gaze, offer, reporter };
+    let session = Session { handle, instance, system, active, spaces, head, actions, gaze, offer, reporter };
     SESSIONS.insert(handle, Arc::new(session));
 }
 

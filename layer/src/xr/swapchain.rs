@@ -9,6 +9,7 @@ mod depth;
 mod description;
 mod drawn_over;
 mod eligibility;
+mod eye_sizes;
 mod free;
 mod held_release;
 mod history_memory;
@@ -29,6 +30,7 @@ use super::dispatch::Next;
 use super::instance::next_of_any;
 use super::session::Session;
 use crate::abi::{attempt, guard};
+use crate::config::longest_period;
 use crate::registry::Registry;
 use crate::status::HistoryTooLarge;
 use acquired_images::AcquiredImages;
@@ -121,6 +123,16 @@ impl Swapchain {
         }
     }
 
+    /// Notes that the application has room for these images of a virtual swapchain alone.
+    fn has_shrunk(&self, images: &[vk::Image]) {
+        let before = std::mem::replace(&mut *self.images(), images.into()).len();
+        self.notify(images);
+        let count = images.len();
+        let keeps = count > longest_period(&self.session.instance.config.snapshot()) as usize;
+        let re_use = if keeps { "less room for re-use" } else { "no re-use" };
+        tracing::info!("{re_use} in a swapchain: the application takes {count} of {before} images");
+    }
+
     /// The image of that number, and its format, if it is the runtime's and can be analysed.
     pub fn readable_image(&self, index: u32) -> Option<(vk::Image, vk::Format)> {
         let format = self.description.analyzed_format()?;
@@ -185,7 +197,7 @@ pub fn history_memory(session: xr::Session) -> (u64, Option<HistoryTooLarge>) {
     of_session.iter().fold((0, None), |(bytes, refused), swapchain| {
         let bytes = bytes + swapchain.depth_bytes();
         swapchain.substitute.as_ref().map_or((bytes, refused), |substitute| {
-            (bytes + substitute.history_bytes, refused.or(substitute.refused))
+            (bytes + substitute.history_bytes(), refused.or(substitute.refused))
         })
     })
 }

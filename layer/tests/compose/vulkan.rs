@@ -112,6 +112,7 @@ impl Vulkan {
                 next_get_instance_proc_addr: entry.static_fn().get_instance_proc_addr,
                 next_get_device_proc_addr: instance.fp_v1_0().get_device_proc_addr,
                 set_device_loader_data,
+                queue_submit: None,
                 arming: parafovea::config::Arming::Rates as u32,
                 submits_late: 0,
             });

@@ -187,6 +187,8 @@ pub struct Swapchain {
     pub images: u32,
     /// Numbers of the calls of `xrWaitSwapchainImage` that time out, from 0 in each swapchain; the call after each succeeds.
     pub wait_timeouts: Vec<u64>,
+    /// Whether `xrEnumerateSwapchainImages` writes images without reading the structures' `type` and `next`, as in Monado.
+    pub unread_images: bool,
 }
 
 /// `[vulkan]`.

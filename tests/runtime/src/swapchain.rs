@@ -177,9 +177,11 @@ pub(crate) extern "system" fn enumerate_images(
     call("xrEnumerateSwapchainImages", |runtime| {
         let images = runtime.swapchains.get(swapchain)?.images.handles();
         let images = if runtime.answer == Answer::NoImages { &[] } else { images };
-        List { capacity, count, items }.fill_structures("images", images, |filled, image| {
-            filled.image = image.as_raw();
-        })?;
+        let list = List { capacity, count, items };
+        match runtime.scenario.swapchain.unread_images {
+            true => list.fill_unread("images", images)?,
+            false => list.fill_structures("images", images, |filled, image| filled.image = image.as_raw())?,
+        }
         Ok(xr::Result::SUCCESS)
     })
 }

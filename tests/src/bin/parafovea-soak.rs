@@ -49,7 +49,7 @@ fn main() -> ExitCode {
 
 /// A gaze that is lost for a while now and then, and calls of the layer's own that fail.
 fn scenario() -> Scenario {
-    let mut scenario = Scenario::new(0);
+    let mut scenario = Scenario::new(0).sized(96, 112);
     scenario.output.record = false;
     let gaze = |step: u32| Gaze {
         t: f64::from(step),

@@ -17,6 +17,10 @@ pub struct App {
     pub xr: Xr,
     /// Recommended size of each view's image: width, height.
     pub view_sizes: [[u32; 2]; 2],
+    /// The structure that images are enumerated into.
+    pub blank_image: xr::SwapchainImageVulkanKHR,
+    /// Length of the array for a swapchain's images; `None` to ask for their number.
+    pub image_capacity: Option<u32>,
     report: RefCell<Report>,
 }
 
@@ -27,6 +31,8 @@ impl App {
         Ok(Self {
             painter: RefCell::new(Painter::create(&vulkan, options.submit_lock.as_deref())?),
             view_sizes: xr.view_sizes()?,
+            blank_image: blank_image(options.untyped_images),
+            image_capacity: options.image_capacity,
             vulkan,
             xr,
             report: RefCell::default(),
@@ -54,4 +60,13 @@ impl App {
         let expected: Vec<&str> = expected.iter().map(String::as_str).collect();
         self.report().call(what, &name(result), &expected);
     }
+}
+
+/// An image to be enumerated; without a type, its pointer is an address that nothing may read.
+fn blank_image(is_untyped: bool) -> xr::SwapchainImageVulkanKHR {
+    let (ty, next) = match is_untyped {
+        true => (xr::StructureType::UNKNOWN, std::ptr::without_provenance_mut(usize::MAX)),
+        false => (xr::SwapchainImageVulkanKHR::TYPE, std::ptr::null_mut()),
+    };
+    xr::SwapchainImageVulkanKHR { ty, next, image: 0 }
 }

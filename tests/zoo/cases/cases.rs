@@ -62,6 +62,7 @@ cases! {
     submission => resolution_change,
     submission => projection_and_quad,
     submission => quad_only,
+    submission => overlays_before_the_eyes,
     submission => alpha_patterns,
     submission => depth_layer [c"XR_KHR_composition_layer_depth"],
     order => acquire_all,

@@ -49,6 +49,12 @@ pub struct Options {
     /// Engine name for Vulkan
     #[arg(long, default_value = "none")]
     pub engine: CString,
+    /// Enumerate images into structures with neither type nor next pointer, as xrgears and xrdesktop do
+    #[arg(long)]
+    pub untyped_images: bool,
+    /// Enumerate the images of each swapchain once, with an array of this number, as LÖVR does
+    #[arg(long, value_name = "COUNT")]
+    pub image_capacity: Option<u32>,
     /// A file whose lock (flock) is held around each vkQueueSubmit
     #[arg(long)]
     pub submit_lock: Option<PathBuf>,

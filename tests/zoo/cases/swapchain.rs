@@ -251,10 +251,17 @@ fn create(session: &Session, shape: &Shape) -> Result<xr::Swapchain, Failure> {
 
 fn enumerate(session: &Session, handle: xr::Swapchain) -> Result<Vec<vk::Image>, Failure> {
     const CALL: &str = "xrEnumerateSwapchainImages";
-    let (result, count, _) = enumerate_into(session, handle, 0);
+    let capacity = match session.app.image_capacity {
+        Some(capacity) => capacity,
+        None => {
+            let (result, count, _) = enumerate_into(session, handle, 0);
+            succeeded(CALL, result)?;
+            count
+        }
+    };
+    let (result, count, mut images) = enumerate_into(session, handle, capacity);
     succeeded(CALL, result)?;
-    let (result, _, images) = enumerate_into(session, handle, count);
-    succeeded(CALL, result)?;
+    images.truncate(count as usize);
     Ok(images)
 }
 
@@ -265,12 +272,7 @@ pub fn enumerate_into(
     capacity: u32,
 ) -> (xr::Result, u32, Vec<vk::Image>) {
     use ash::vk::Handle as _;
-    let blank = xr::SwapchainImageVulkanKHR {
-        ty: xr::SwapchainImageVulkanKHR::TYPE,
-        next: std::ptr::null_mut(),
-        image: 0,
-    };
-    let mut images = vec![blank; capacity as usize];
+    let mut images = vec![session.app.blank_image; capacity as usize];
     let array = if capacity == 0 { std::ptr::null_mut() } else { images.as_mut_ptr() };
     let mut count = 0;
     // SAFETY: the array has the capacity that is passed, and outlives the call.

@@ -35,6 +35,7 @@ fn device() -> DeviceRecord {
         next_get_instance_proc_addr: no_instance_function,
         next_get_device_proc_addr: no_device_function,
         set_device_loader_data: set_loader_data,
+        queue_submit: None,
         arming: crate::config::Arming::Rates as u32,
         submits_late: 0,
     }

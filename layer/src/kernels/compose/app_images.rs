@@ -4,8 +4,8 @@ use super::SwapchainShape;
 use crate::gpu::barrier::APP_CREATED;
 use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, color_view, serial};
 use ash::vk;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicI32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicI32, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Our usage of the application's images, besides its own: `compose` reads and draws them, `fill` copies them.
 pub const APP_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
@@ -20,9 +20,12 @@ pub struct AppImages {
     // First: waits before the rest is destroyed. The others in the order in which each may be destroyed.
     uses: Uses,
     textures: TextureSets,
-    _views: Vec<Owned<vk::ImageView>>,
-    _images: Vec<OwnedImage>,
+    views: Mutex<Vec<Owned<vk::ImageView>>>,
+    images: Mutex<Vec<OwnedImage>>,
+    /// Of all images that were made.
     handles: Vec<vk::Image>,
+    /// Number of images, which are the first ones.
+    count: AtomicUsize,
     /// The layouts in which the application left them.
     layouts: Vec<AtomicI32>,
     /// The submit that used each of them last; 0: none.
@@ -92,8 +95,9 @@ impl AppImages {
         Ok(Self {
             uses,
             textures,
-            _views: views,
-            _images: images,
+            views: Mutex::new(views),
+            images: Mutex::new(images),
+            count: AtomicUsize::new(handles.len()),
             layouts: handles
                 .iter()
                 .map(|_| AtomicI32::new(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL.as_raw()))
@@ -113,7 +117,7 @@ impl AppImages {
     /// # Errors
     /// [`GpuError::Timeout`] when earlier submits hang; a failed call. Then nothing was submitted.
     pub fn make_ready(&self, first: u32) -> Result<(), GpuError> {
-        let Some(new) = self.handles.get(first as usize..).filter(|new| !new.is_empty()) else {
+        let Some(new) = self.images().get(first as usize..).filter(|new| !new.is_empty()) else {
             return Ok(());
         };
         let submit = self.gpu.submit(|recorder| {
@@ -122,8 +126,16 @@ impl AppImages {
             }
             Ok(())
         })?;
-        (first..self.handles.len() as u32).for_each(|image| self.mark(image, submit));
+        (first..self.images().len() as u32).for_each(|image| self.mark(image, submit));
         Ok(())
+    }
+
+    /// Destroys the images from number `count` on, which neither the application nor any work of ours has used.
+    pub fn shrink(&self, count: u32) {
+        self.count.fetch_min(count as usize, Ordering::Relaxed);
+        let views = count.saturating_mul(self.shape.array_layers) as usize;
+        self.views.lock().unwrap_or_else(PoisonError::into_inner).truncate(views);
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).truncate(count as usize);
     }
 
     /// Notes that the submit of this number uses an image.
@@ -147,7 +159,7 @@ impl AppImages {
 
     /// The images, in order.
     pub fn images(&self) -> &[vk::Image] {
-        &self.handles
+        &self.handles[..self.count.load(Ordering::Relaxed)]
     }
 
     /// The application left an image in this layout, and expects it so.

@@ -17,7 +17,7 @@ use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::{ArmedTable, DeviceTable};
 use crate::vk::instance::{self, Instance, properties};
 use crate::vk::memory_model::with_device_scope;
-use crate::vk::{quirks, recording};
+use crate::vk::{quirks, recording, submit};
 use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -223,6 +223,7 @@ unsafe fn track(
             next_get_instance_proc_addr: instance.get_instance_proc_addr,
             next_get_device_proc_addr: get_device_proc_addr,
             set_device_loader_data,
+            queue_submit: Some(submit::submit_own),
             arming: arming as u32,
             submits_late: u32::from(quirks::submits_late(&instance.engine)),
         };

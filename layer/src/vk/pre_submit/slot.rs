@@ -205,7 +205,8 @@ impl Slot {
             self.timer.end(self.commands);
             device.end_command_buffer(self.commands).map_err(GpuError::from_call("vkEndCommandBuffer"))?;
             device.reset_fences(&[self.fence]).map_err(GpuError::from_call("vkResetFences"))?;
-            (own.submit)(queue, 1, &info, self.fence)
+            own.locks
+                .with(queue, || (own.submit)(queue, 1, &info, self.fence))
                 .result()
                 .map_err(GpuError::from_call("vkQueueSubmit"))?;
         }

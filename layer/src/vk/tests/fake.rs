@@ -10,6 +10,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::ptr::{null, null_mut};
 
 pub mod pipelines;
+pub mod queue;
 pub mod rates;
 
 thread_local! {
@@ -57,6 +58,11 @@ pub fn command_buffer_of(device: vk::Device) -> vk::CommandBuffer {
     // SAFETY: the device is an Object made by `new_object`.
     let key = unsafe { (*(device.as_raw() as *const Object)).key };
     vk::CommandBuffer::from_raw(object_with_key(key))
+}
+
+/// A queue of that device: another object with the same key.
+pub fn queue_of(device: vk::Device) -> vk::Queue {
+    vk::Queue::from_raw(command_buffer_of(device).as_raw())
 }
 
 /// The Vulkan version of the stand-in's devices.
@@ -226,6 +232,7 @@ fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
             PFN_vkGetPhysicalDeviceFragmentShadingRatesKHR = rates::shading_rates;
         c"vkCmdSetFragmentShadingRateKHR": PFN_vkCmdSetFragmentShadingRateKHR = rates::set_rate;
         c"vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = get_device_proc_addr;
+        c"vkQueueSubmit": PFN_vkQueueSubmit = queue::submit;
     }
     if let Some(function) = pipelines::function(name).filter(|_| rates::is_offered()) {
         return Some(function);

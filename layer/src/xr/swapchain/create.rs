@@ -5,7 +5,7 @@ use super::eligibility::{
     NotSubstituted, analyzed_usage, filled_usage, is_plain, kept_depth_usage, runtime_usage, shape,
     vulkan_usage,
 };
-use super::{SWAPCHAINS, Substitute, Swapchain, depth};
+use super::{SWAPCHAINS, Substitute, Swapchain, depth, eye_sizes};
 use crate::abi::guard;
 use crate::config::{Config, images_for_reuse, wants_maps};
 use crate::kernels::analyze;
@@ -155,6 +155,10 @@ unsafe fn plan(
     let mut compose = tools.ok_or(NotSubstituted::NoWork)?.compose();
     // SAFETY: `info` and its chain are valid, as `# Safety` demands.
     let shape = unsafe { shape(info, |format| compose.supports(format)) }?;
+    let size = [info.width, info.height];
+    if !eye_sizes::may_show_eyes(size, &eye_sizes::recommended(session)) {
+        return Err(NotSubstituted::Size(size));
+    }
     let prepared = match session.may_reuse(config) {
         true => compose.prepare_reuse(shape.format),
         false => compose.prepare(shape.format),

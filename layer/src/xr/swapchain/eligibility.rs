@@ -24,6 +24,8 @@ pub enum NotSubstituted {
         /// `faceCount`.
         faces: u32,
     },
+    /// Width and height, pixels, unlike those of eye buffers.
+    Size([u32; 2]),
     /// A depth format, or one that `compose` cannot read and draw.
     Format(vk::Format),
     /// An extending structure that this layer does not know.
@@ -40,6 +42,7 @@ impl fmt::Display for NotSubstituted {
             Self::Kind { samples, mips, faces } => {
                 write!(f, "{samples} samples, {mips} mip levels, {faces} faces")
             }
+            Self::Size([width, height]) => write!(f, "{width}x{height} pixels are no size of eye buffers"),
             Self::Format(format) => write!(f, "format {format:?}"),
             Self::Chain(structure) => write!(f, "unknown structure {structure:?}"),
             Self::Usage(result) => write!(f, "the runtime refused additional usage flags: {result:?}"),

@@ -29,14 +29,15 @@ pub unsafe extern "system" fn enumerate_images(
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.enumerate_swapchain_images)(handle, capacity, count, images) };
+    let virtual_one = || known.as_ref().and_then(|known| Some((known, known.substitute.as_ref()?)));
     // The rest of the hook after a panic: a virtual swapchain remains virtual.
-    let pass_on = || match substitute_of(&known) {
+    let pass_on = || match virtual_one() {
         // SAFETY: the application's own arguments.
-        Some(substitute) => unsafe { enumerate_ours(substitute, capacity, count, images) },
+        Some(ours) => unsafe { enumerate_ours(ours, capacity, count, images) },
         None => below(),
     };
     guard("xrEnumerateSwapchainImages", pass_on, |answer| {
-        let Some(substitute) = substitute_of(&known) else {
+        let Some(ours) = virtual_one() else {
             let result = answer.record(below());
             if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
                 // SAFETY: the call succeeded with these arguments.
@@ -45,7 +46,7 @@ pub unsafe extern "system" fn enumerate_images(
             return result;
         };
         // SAFETY: the application's own arguments.
-        answer.record(unsafe { enumerate_ours(substitute, capacity, count, images) })
+        answer.record(unsafe { enumerate_ours(ours, capacity, count, images) })
     })
 }
 
@@ -55,14 +56,17 @@ pub unsafe extern "system" fn enumerate_images(
 ///
 /// The arguments of `xrEnumerateSwapchainImages` in a Vulkan session.
 unsafe fn enumerate_ours(
-    substitute: &Substitute,
+    (known, substitute): (&Arc<Swapchain>, &Substitute),
     capacity: u32,
     count: *mut u32,
     images: *mut xr::SwapchainImageBaseHeader,
 ) -> xr::Result {
-    let ours = substitute.app.images();
     // SAFETY: valid usage demands that `count` is valid; null is answered all the same.
     let Some(count) = (unsafe { count.as_mut() }) else { return xr::Result::ERROR_VALIDATION_FAILURE };
+    let (ours, has_shrunk) = substitute.images_within(if images.is_null() { 0 } else { capacity });
+    if has_shrunk {
+        known.has_shrunk(ours);
+    }
     *count = ours.len() as u32;
     if capacity == 0 {
         return xr::Result::SUCCESS;
@@ -74,16 +78,10 @@ unsafe fn enumerate_ours(
         return xr::Result::ERROR_VALIDATION_FAILURE;
     }
     let images = images.cast::<xr::SwapchainImageVulkanKHR>();
-    // SAFETY: valid usage demands an array of `capacity` structures, which are no fewer than ours; in a Vulkan session each is an
-    // XrSwapchainImageVulkanKHR, which its type confirms.
-    unsafe {
-        let is_vulkan = |at| (*images.add(at)).ty == xr::SwapchainImageVulkanKHR::TYPE;
-        if !(0..ours.len()).all(is_vulkan) {
-            return xr::Result::ERROR_VALIDATION_FAILURE;
-        }
-        for (at, image) in ours.iter().enumerate() {
-            (*images.add(at)).image = image.as_raw();
-        }
+    for (at, image) in ours.iter().enumerate() {
+        // SAFETY: valid usage demands an array of `capacity` structures, which are no fewer than ours; in a Vulkan session each is an
+        // XrSwapchainImageVulkanKHR. Its other members stay unread: xrgears and xrdesktop leave them uninitialised, as Monado allows.
+        unsafe { (&raw mut (*images.add(at)).image).write(image.as_raw()) };
     }
     xr::Result::SUCCESS
 }
@@ -103,13 +101,10 @@ unsafe fn runtimes(
     }
     let images = images.cast::<xr::SwapchainImageVulkanKHR>();
     // SAFETY: the call succeeded: there is an array of `capacity` structures, of which `count` were written; in a Vulkan
-    // session each is an XrSwapchainImageVulkanKHR, which its type confirms.
+    // session each is an XrSwapchainImageVulkanKHR, of which the runtime wrote one member. The others may be uninitialised.
     unsafe {
-        let written = (0..(*count).min(capacity) as usize).map(|at| &*images.add(at));
-        written
-            .filter(|image| image.ty == xr::SwapchainImageVulkanKHR::TYPE)
-            .map(|image| vk::Image::from_raw(image.image))
-            .collect()
+        let image = |at| vk::Image::from_raw((&raw const (*images.add(at)).image).read());
+        (0..(*count).min(capacity) as usize).map(image).collect()
     }
 }
 

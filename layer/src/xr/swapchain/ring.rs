@@ -42,6 +42,15 @@ impl Ring {
         self.acquired.min(self.count) as u32
     }
 
+    /// Goes on with the first `count` images, at least one, where none was acquired and there are more. Returns whether it does.
+    pub fn shrink(&mut self, count: u32) -> bool {
+        let is_fewer = u64::from(count) < self.count && count > 0 && self.acquired == 0;
+        if is_fewer {
+            self.count = count.into();
+        }
+        is_fewer
+    }
+
     /// `xrAcquireSwapchainImage`: the index of the next image, unless the application has all of them.
     pub fn acquire(&mut self) -> Result<u32, CallOrderInvalid> {
         if self.acquired - self.released == self.count {

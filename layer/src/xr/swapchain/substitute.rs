@@ -7,7 +7,7 @@ use crate::kernels::analyze;
 use crate::kernels::compose::{AppImages, RuntimeImages, SwapchainShape, stores_unit_range};
 use crate::status::HistoryTooLarge;
 use ash::vk;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Numbers of virtual swapchains: handles are used again.
@@ -29,10 +29,12 @@ pub struct Substitute {
     pub format: vk::Format,
     /// Whether the runtime's images can be analysed.
     pub can_be_analyzed: bool,
-    /// Device memory of the images beyond the runtime's number, which re-use needs, bytes.
-    pub history_bytes: u64,
-    /// The reason why there are none of those.
+    /// The reason why there are no images beyond the runtime's number.
     pub refused: Option<HistoryTooLarge>,
+    /// Number of the runtime's images.
+    usual: u32,
+    /// Whether the application has the images.
+    is_enumerated: AtomicBool,
     preparation: Preparation,
     ring: Mutex<Ring>,
     target: Mutex<Target>,
@@ -61,8 +63,9 @@ impl Substitute {
         let count = app.images().len() as u32;
         Ok(Self {
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
-            history_bytes: u64::from(count.saturating_sub(usual)) * app.image_bytes(),
             refused,
+            usual,
+            is_enumerated: AtomicBool::new(false),
             app,
             extent: shape.extent,
             array_layers: shape.array_layers,
@@ -73,6 +76,25 @@ impl Substitute {
             ring: Mutex::new(Ring::new(count)),
             target: Mutex::new(Target::new(RuntimeImages::new(gpu, shape, runtime_images)?)),
         })
+    }
+
+    /// The images for an application with room for `capacity`, and whether they have become fewer: images beyond the runtime's number are
+    /// for re-use alone, so an application with room for that number gets no more than fit, unless it has more already.
+    pub fn images_within(&self, capacity: u32) -> (&[vk::Image], bool) {
+        let mut ring = self.ring();
+        let may_shrink = capacity >= self.usual && !self.is_enumerated.load(Ordering::Relaxed);
+        let shrinks = may_shrink && ring.shrink(capacity);
+        if shrinks {
+            self.app.shrink(capacity);
+        }
+        let images = self.app.images();
+        self.is_enumerated.fetch_or(capacity as usize >= images.len(), Ordering::Relaxed);
+        (images, shrinks)
+    }
+
+    /// Device memory of the images beyond the runtime's number, which re-use needs, bytes.
+    pub fn history_bytes(&self) -> u64 {
+        (self.app.images().len() as u64).saturating_sub(self.usual.into()) * self.app.image_bytes()
     }
 
     /// Prepares our images that the application has not had yet, until that succeeds: before the application gets one, and where the

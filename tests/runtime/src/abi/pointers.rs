@@ -7,6 +7,8 @@
 
 use super::structures::Structure;
 use crate::fault::{Fault, section, structure_name};
+use ash::vk;
+use ash::vk::Handle;
 use openxr_sys as xr;
 use std::ops::Deref;
 
@@ -315,6 +317,21 @@ impl<T: Structure> List<T> {
         }
         let structures = self.items.get_all(name, items.len())?;
         structures.iter_mut().zip(items).for_each(|(structure, item)| fill(structure, item));
+        Ok(())
+    }
+}
+
+impl List<xr::SwapchainImageVulkanKHR> {
+    /// As [`List::fill_structures`], without a look at `type` and `next`.
+    pub fn fill_unread(self, name: &str, images: &[vk::Image]) -> Result<(), Fault> {
+        if !self.announce(name, images.len())? {
+            return Ok(());
+        }
+        check_pointer(self.items.0, name)?;
+        for (at, image) in images.iter().enumerate() {
+            // SAFETY: the type's contract: room for `capacity` structures, at least as many as images.
+            unsafe { (&raw mut (*self.items.0.add(at)).image).write(image.as_raw()) };
+        }
         Ok(())
     }
 }

@@ -83,7 +83,7 @@ impl Default for Tracker {
 
 impl Default for Swapchain {
     fn default() -> Self {
-        Self { images: 3, wait_timeouts: Vec::new() }
+        Self { images: 3, wait_timeouts: Vec::new(), unread_images: false }
     }
 }
 

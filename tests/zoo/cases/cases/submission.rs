@@ -151,6 +151,26 @@ pub fn quad_only(app: &App) -> Outcome {
     session.finish()
 }
 
+/// Small swapchains for quads, which are created before those of the eyes, as overlays are.
+pub fn overlays_before_the_eyes(app: &App) -> Outcome {
+    const OVERLAYS: usize = 8;
+    let session = Session::start(app)?;
+    let overlay = || Swapchain::create(&session, &Shape::srgb([24, 24]));
+    let overlays: Vec<_> = std::iter::repeat_with(overlay).take(OVERLAYS).collect::<Result<_, _>>()?;
+    let stereo = Stereo::create(&session)?;
+    session.frames(FRAMES, |frame| {
+        stereo.paint(frame.index)?;
+        let mut layers = vec![Layer::Projection(stereo.images())];
+        for overlay in &overlays {
+            overlay.paint(&[Figure::new(frame.index, 2, overlay.whole())])?;
+            layers.push(Layer::Quad(overlay.sub_image(overlay.whole())));
+        }
+        session.submit(frame, &layers)
+    })?;
+    drop((overlays, stereo));
+    session.finish()
+}
+
 /// A projection layer that is blended by an alpha from 0 to 255.
 pub fn alpha_patterns(app: &App) -> Outcome {
     let session = Session::start(app)?;

@@ -11,6 +11,15 @@ fn acquires_as_many_as_there_are_and_no_more() {
 }
 
 #[test]
+fn a_ring_shrinks_before_its_first_image_is_acquired() {
+    let mut ring = Ring::new(6);
+    assert_eq!([ring.shrink(6), ring.shrink(0), ring.shrink(4)], [false, false, true]);
+    assert_eq!([0, 1, 2, 3].map(|_| ring.acquire().unwrap()), [0, 1, 2, 3]);
+    assert_eq!(ring.acquire(), Err(CallOrderInvalid));
+    assert!(!ring.shrink(3) && ring.count() == 4);
+}
+
+#[test]
 fn wait_and_release_need_what_comes_before() {
     let mut ring = Ring::new(2);
     assert_eq!(ring.wait(), Err(CallOrderInvalid));

@@ -11,9 +11,9 @@ fn images_are_told_once_and_their_end_before_it_comes() {
     // SAFETY: valid arguments, to count.
     unsafe { swapchain::enumerate_images(swapchain, 0, &mut count, ptr::null_mut()) };
     assert_eq!(crossings(), [], "only counted");
-    // SAFETY: the structures are plain data, for which all zero is a valid value.
-    let mut images: [xr::SwapchainImageVulkanKHR; 3] = unsafe { std::mem::zeroed() };
-    images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
+    // As xrgears leaves it: neither the type nor the next structure is one.
+    let next = ptr::without_provenance_mut(usize::MAX);
+    let mut images = [xr::SwapchainImageVulkanKHR { ty: xr::StructureType::UNKNOWN, next, image: 0 }; 3];
     for expected in [true, false] {
         // SAFETY: valid arguments: as many structures as the capacity states.
         unsafe { swapchain::enumerate_images(swapchain, 3, &mut count, images.as_mut_ptr().cast()) };
