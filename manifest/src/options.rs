@@ -338,7 +338,7 @@ options! {
         silence: SilenceRule = SilenceRule::Contrast;
         /// Luminance of white in the headset, for modes that measure contrast.
         white_cd_m2: f32 = 100.0, 10.0..=2_500.0 "cd/m^2";
-        /// Permission to shade draws coarsely whose only obstacle is a fragment shader that writes to buffers or images, or uses atomics, as materials with virtual textures do in Unreal Engine. Each coarse fragment then writes once for all of its pixels, so that other uses may show holes. Has no effect on masks. After a change, restart the application.
+        /// Coarse shading rates for draws that stay at 1x1 only because their fragment shaders write to buffers or images, or use atomics, as materials with virtual textures do in Unreal Engine. Each coarse fragment then writes once for all of its pixels; a pass that reads these writes may find gaps. No effect on masks. After a change, restart the application.
         coarse_stores: bool = false;
     }
 

@@ -102,7 +102,7 @@ pub(super) struct UsedRates(u32);
 impl UsedRates {
     const COARSENS: u32 = 1 << 16;
 
-    /// Those of texels of [`clean`].
+    /// Rates of texels of [`clean`].
     pub(super) fn of(texels: &[u8]) -> Self {
         let mut has = [false; 256];
         for texel in texels {

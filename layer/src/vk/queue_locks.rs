@@ -1,4 +1,4 @@
-//! One call down at a time on each queue.
+//! One submit at a time on each queue.
 //!
 //! Vulkan demands that of applications. Some submit on threads of their own while OpenXR calls run, in which a runtime, and this layer more often,
 //! submit to the session's queue: StereoKit uploads so, and Godot transfers so on devices with one queue.
@@ -18,7 +18,7 @@ thread_local! {
 pub struct QueueLocks(Table<vk::Queue, Arc<Mutex<()>>>);
 
 impl QueueLocks {
-    /// Makes a call down that uses a queue, under its lock; allocates for the first one alone. A call within another one, by a layer
+    /// Makes a call down that submits to a queue, under its lock; allocates for the first one alone. A call within another one, by a layer
     /// below that begins at the top, is made under the lock of the outer one.
     pub fn with<T>(&self, queue: vk::Queue, call: impl FnOnce() -> T) -> T {
         let Some(_held) = Held::begin() else { return call() };

@@ -124,7 +124,7 @@ impl Swapchain {
     }
 
     /// Notes that the application has room for these images of a virtual swapchain alone.
-    fn has_shrunk(&self, images: &[vk::Image]) {
+    fn keeps_only(&self, images: &[vk::Image]) {
         let before = std::mem::replace(&mut *self.images(), images.into()).len();
         self.notify(images);
         let count = images.len();

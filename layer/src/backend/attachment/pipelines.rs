@@ -62,7 +62,7 @@ impl RateAttachments {
                 let (amended, rate) =
                     with_rates(info, &self.capabilities, every_pixel, linked, is_left_alone, &mut copies);
                 // Without rates of ours in the pass, they have no consequence.
-                (amended, (rate, if is_left_alone(info.render_pass) { Causes::default() } else { causes }))
+                (amended, (rate, if self.may_reach(info) { causes } else { Causes::default() }))
             }
         });
         let (amended, rates): (Vec<_>, Vec<_>) = amended.unzip();

@@ -1,7 +1,9 @@
 //! Creations that fail with the additions for rate attachments.
 
 use super::attach::RateAttachments;
+use crate::abi::copies::find;
 use crate::status::{Topic, decided};
+use crate::vk::shaders::parts::{Parts, own_parts};
 use ash::vk;
 use std::sync::atomic::Ordering;
 
@@ -23,6 +25,25 @@ impl RateAttachments {
     /// Whether dynamic rendering gets attachments.
     pub fn attaches_to_rendering(&self) -> bool {
         !self.rendering_is_left_alone.load(Ordering::Relaxed)
+    }
+
+    /// Whether passes of a pipeline may have rates of ours: in dynamic rendering, if they have colours. A library without the output part
+    /// tells nothing of colours.
+    ///
+    /// # Safety
+    ///
+    /// The structure is valid.
+    pub unsafe fn may_reach(&self, info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+        if info.render_pass != vk::RenderPass::null() {
+            return !self.leaves_alone(info.render_pass);
+        }
+        // SAFETY: the chain is valid, as `# Safety` demands.
+        let has_no_colours = unsafe {
+            let formats = find::<vk::PipelineRenderingCreateInfo<'_>>(info.p_next);
+            own_parts(info).contains(Parts::FRAGMENT_OUTPUT_INTERFACE)
+                && formats.is_some_and(|formats| formats.color_attachment_count == 0)
+        };
+        self.attaches_to_rendering() && !has_no_colours
     }
 }
 

@@ -19,37 +19,36 @@ pub enum FillKind {
 }
 
 impl FillKind {
-    /// Kind for images of this format and samples; `None` for images that are not filled: a fill of several samples draws numbers with a
-    /// fraction.
+    /// Kind for images of this format and samples; `None` for images that are not filled: several samples are resolved to their mean before a
+    /// fill, and a mean of motion or of indices means nothing.
     pub fn of(format: vk::Format, samples: vk::SampleCountFlags) -> Option<Self> {
         if let Some((kind, _)) = fill_format(format) {
             return Some(Self::Interpolated(kind));
         }
-        let (size, is_integer) = nearest_format(format)?;
-        let is_drawable = !is_integer || samples == vk::SampleCountFlags::TYPE_1;
-        is_drawable.then_some(Self::Nearest(size))
+        let size = nearest_format(format)?;
+        (samples == vk::SampleCountFlags::TYPE_1).then_some(Self::Nearest(size))
     }
 }
 
-/// Bytes of a texel of a format that is not interpolated, and whether it holds integers; `None` for formats that no device draws to.
-fn nearest_format(format: vk::Format) -> Option<(u32, bool)> {
+/// Bytes of a texel of a format that is not interpolated; `None` for formats that no device draws to.
+fn nearest_format(format: vk::Format) -> Option<u32> {
     use vk::Format as F;
     Some(match format {
-        F::R8_UNORM | F::R8_SNORM | F::R8_SRGB => (1, false),
-        F::R8_UINT | F::R8_SINT => (1, true),
-        F::R8G8_UNORM | F::R8G8_SNORM | F::R8G8_SRGB => (2, false),
-        F::R16_UNORM | F::R16_SNORM | F::R16_SFLOAT => (2, false),
-        F::R5G6B5_UNORM_PACK16 | F::R5G5B5A1_UNORM_PACK16 | F::A1R5G5B5_UNORM_PACK16 => (2, false),
-        F::R8G8_UINT | F::R8G8_SINT | F::R16_UINT | F::R16_SINT => (2, true),
-        F::R8G8B8A8_SNORM | F::A8B8G8R8_SNORM_PACK32 | F::E5B9G9R9_UFLOAT_PACK32 => (4, false),
-        F::R16G16_UNORM | F::R16G16_SNORM | F::R16G16_SFLOAT | F::R32_SFLOAT => (4, false),
-        F::R8G8B8A8_UINT | F::R8G8B8A8_SINT | F::A8B8G8R8_UINT_PACK32 | F::A8B8G8R8_SINT_PACK32 => (4, true),
-        F::A2B10G10R10_UINT_PACK32 | F::A2R10G10B10_UINT_PACK32 => (4, true),
-        F::R16G16_UINT | F::R16G16_SINT | F::R32_UINT | F::R32_SINT => (4, true),
-        F::R16G16B16A16_UNORM | F::R16G16B16A16_SNORM | F::R32G32_SFLOAT => (8, false),
-        F::R16G16B16A16_UINT | F::R16G16B16A16_SINT | F::R32G32_UINT | F::R32G32_SINT => (8, true),
-        F::R32G32B32A32_SFLOAT => (16, false),
-        F::R32G32B32A32_UINT | F::R32G32B32A32_SINT => (16, true),
+        F::R8_UNORM | F::R8_SNORM | F::R8_SRGB => 1,
+        F::R8_UINT | F::R8_SINT => 1,
+        F::R8G8_UNORM | F::R8G8_SNORM | F::R8G8_SRGB => 2,
+        F::R16_UNORM | F::R16_SNORM | F::R16_SFLOAT => 2,
+        F::R5G6B5_UNORM_PACK16 | F::R5G5B5A1_UNORM_PACK16 | F::A1R5G5B5_UNORM_PACK16 => 2,
+        F::R8G8_UINT | F::R8G8_SINT | F::R16_UINT | F::R16_SINT => 2,
+        F::R8G8B8A8_SNORM | F::A8B8G8R8_SNORM_PACK32 | F::E5B9G9R9_UFLOAT_PACK32 => 4,
+        F::R16G16_UNORM | F::R16G16_SNORM | F::R16G16_SFLOAT | F::R32_SFLOAT => 4,
+        F::R8G8B8A8_UINT | F::R8G8B8A8_SINT | F::A8B8G8R8_UINT_PACK32 | F::A8B8G8R8_SINT_PACK32 => 4,
+        F::A2B10G10R10_UINT_PACK32 | F::A2R10G10B10_UINT_PACK32 => 4,
+        F::R16G16_UINT | F::R16G16_SINT | F::R32_UINT | F::R32_SINT => 4,
+        F::R16G16B16A16_UNORM | F::R16G16B16A16_SNORM | F::R32G32_SFLOAT => 8,
+        F::R16G16B16A16_UINT | F::R16G16B16A16_SINT | F::R32G32_UINT | F::R32G32_SINT => 8,
+        F::R32G32B32A32_SFLOAT => 16,
+        F::R32G32B32A32_UINT | F::R32G32B32A32_SINT => 16,
         _ => return None,
     })
 }
@@ -139,17 +138,18 @@ mod tests {
     }
 
     #[test]
-    fn integers_of_several_samples_are_not_filled() {
+    fn only_light_of_several_samples_is_filled() {
         let of = |format| FillKind::of(format, vk::SampleCountFlags::TYPE_4);
         assert_eq!(of(vk::Format::R32_UINT), None);
-        assert_eq!(of(vk::Format::R16G16_SFLOAT), Some(FillKind::Nearest(4)));
+        assert_eq!(of(vk::Format::R16G16_SFLOAT), None);
+        assert_eq!(of(vk::Format::B8G8R8A8_SRGB), Some(FillKind::Interpolated(FillFormat::Srgb8)));
     }
 
     /// As in the names: bits of all components.
     #[test]
     fn sizes_of_texels_are_those_of_their_components() {
         let all = (0..200).map(vk::Format::from_raw);
-        for (format, (size, is_integer)) in all.filter_map(|f| Some((f, nearest_format(f)?))) {
+        for (format, size) in all.filter_map(|f| Some((f, nearest_format(f)?))) {
             let name = format!("{format:?}");
             let bits: u32 = match name.split_once("_PACK") {
                 Some((_, bits)) => bits.parse().unwrap(),
@@ -162,7 +162,6 @@ mod tests {
                     .sum(),
             };
             assert_eq!(size * 8, bits, "{name}");
-            assert_eq!(is_integer, name.contains("INT"), "{name}");
         }
     }
 }

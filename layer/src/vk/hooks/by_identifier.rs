@@ -73,12 +73,13 @@ pub unsafe fn create<'c>(
 }
 
 /// Whether the effects of a pipeline's fragment shader count: there may be a mask or a rate attachment of ours in its passes.
-fn may_be_coarse(known: &Device, info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
-    match (known.rate_attachments(), info.render_pass) {
-        (None, _) => true,
-        (Some(rates), pass) if pass == vk::RenderPass::null() => rates.attaches_to_rendering(),
-        (Some(rates), pass) => !rates.leaves_alone(pass),
-    }
+///
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn may_be_coarse(known: &Device, info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: as `# Safety` demands.
+    known.rate_attachments().is_none_or(|rates| unsafe { rates.may_reach(info) })
 }
 
 /// Marks the feedback of a pipeline as invalid, as the pipeline is not created.

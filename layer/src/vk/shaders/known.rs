@@ -10,6 +10,7 @@ use crate::vk::shaders::effects::FragmentShaders;
 use smallvec::SmallVec;
 use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::{Builder, sleep};
 use std::time::Duration;
@@ -28,6 +29,8 @@ pub struct KnownShaders {
     /// File that they are written to; `None`: they are not written.
     file: Option<PathBuf>,
     state: Mutex<State>,
+    /// Whether a later launch gets new facts, as far as is known.
+    are_kept: AtomicBool,
 }
 
 #[derive(Default)]
@@ -71,13 +74,27 @@ impl KnownShaders {
     /// The facts of this process, with the file's in `$XDG_CACHE_HOME/parafovea`.
     pub fn of_process() -> &'static Arc<Self> {
         static KNOWN: OnceLock<Arc<KnownShaders>> = OnceLock::new();
-        KNOWN.get_or_init(|| Arc::new(Self::at(cache_file::folder().map(|folder| folder.join("shaders")))))
+        KNOWN.get_or_init(|| {
+            let known = Self::at(cache_file::folder().map(|folder| folder.join("shaders")));
+            // Unit tests have no folder.
+            known.are_kept.fetch_or(cfg!(test), Ordering::Relaxed);
+            Arc::new(known)
+        })
     }
 
     /// The facts of a file; none of a damaged or unreadable one.
     fn at(file: Option<PathBuf>) -> Self {
         let facts = file.as_deref().and_then(file::read).unwrap_or_default();
-        Self { file, state: Mutex::new(State { facts, is_to_be_written: false }) }
+        let state = Mutex::new(State { facts, is_to_be_written: false });
+        Self { are_kept: AtomicBool::new(file.is_some()), file, state }
+    }
+
+    /// Whether the code of a module is worth a request: no launch has seen it, and the next launch will know it. Else each launch would request
+    /// it.
+    pub fn is_worth_a_request(&self, identifier: &[u8]) -> bool {
+        let are_kept = self.are_kept.load(Ordering::Relaxed);
+        let facts = &self.state().facts;
+        are_kept && facts.order.len() < MOST_MODULES && !facts.by_identifier.contains_key(identifier)
     }
 
     /// The facts of a module's shaders; `None` if no launch has seen it.
@@ -118,6 +135,7 @@ impl KnownShaders {
         }
         drop(state);
         if let Err(error) = file::write(path, &facts) {
+            self.are_kept.store(false, Ordering::Relaxed);
             tracing::debug!("results of shader analysis could not be stored: {error}");
         }
     }

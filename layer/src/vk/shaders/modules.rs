@@ -128,8 +128,8 @@ unsafe fn identifier<'c>(stage: &vk::PipelineShaderStageCreateInfo<'c>) -> Optio
     }
 }
 
-/// Whether a pipeline may be refused until the application comes with the code of its fragment shader, which neither this nor an earlier
-/// launch has shown.
+/// Whether a pipeline may be refused until the application comes with the code of its fragment shader, see
+/// [`KnownShaders::is_worth_a_request`].
 ///
 /// # Safety
 ///
@@ -140,7 +140,7 @@ pub unsafe fn lacks_code(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
         flags(info).contains(vk::PipelineCreateFlags2KHR::FAIL_ON_PIPELINE_COMPILE_REQUIRED)
             && fragment_stage(info)
                 .and_then(|stage| identifier(stage))
-                .is_some_and(|identifier| KnownShaders::of_process().get(identifier).is_none())
+                .is_some_and(|identifier| KnownShaders::of_process().is_worth_a_request(identifier))
     }
 }
 

@@ -103,6 +103,10 @@ fn state_of_the_chain_counts() {
         let discards = vk::PipelineRasterizationStateCreateInfo::default().rasterizer_discard_enable(true);
         let unseen = Info::default().stages(&stages).flags(MAY_FAIL).rasterization_state(&discards);
         assert_eq!(create(device, [unseen]), MADE);
+        let mut shadows =
+            vk::PipelineRenderingCreateInfo::default().depth_attachment_format(vk::Format::D32_SFLOAT);
+        let shadow = Info::default().stages(&stages).flags(MAY_FAIL).push_next(&mut shadows);
+        assert_eq!(create(device, [shadow]), MADE, "no colours, so no rates");
         let mut library = vk::GraphicsPipelineLibraryCreateInfoEXT::default()
             .flags(vk::GraphicsPipelineLibraryFlagsEXT::FRAGMENT_SHADER);
         let library = Info::default().stages(&stages).flags(MAY_FAIL).push_next(&mut library);

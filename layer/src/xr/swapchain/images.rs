@@ -63,10 +63,8 @@ unsafe fn enumerate_ours(
 ) -> xr::Result {
     // SAFETY: valid usage demands that `count` is valid; null is answered all the same.
     let Some(count) = (unsafe { count.as_mut() }) else { return xr::Result::ERROR_VALIDATION_FAILURE };
-    let (ours, has_shrunk) = substitute.images_within(if images.is_null() { 0 } else { capacity });
-    if has_shrunk {
-        known.has_shrunk(ours);
-    }
+    let room = if images.is_null() { 0 } else { capacity };
+    let ours = substitute.images_within(room, |kept| known.keeps_only(kept));
     *count = ours.len() as u32;
     if capacity == 0 {
         return xr::Result::SUCCESS;

@@ -78,18 +78,20 @@ impl Substitute {
         })
     }
 
-    /// The images for an application with room for `capacity`, and whether they have become fewer: images beyond the runtime's number are
-    /// for re-use alone, so an application with room for that number gets no more than fit, unless it has more already.
-    pub fn images_within(&self, capacity: u32) -> (&[vk::Image], bool) {
-        let mut ring = self.ring();
-        let may_shrink = capacity >= self.usual && !self.is_enumerated.load(Ordering::Relaxed);
-        let shrinks = may_shrink && ring.shrink(capacity);
-        if shrinks {
+    /// The images for an application with room for `capacity`. Images beyond the runtime's number are for re-use alone, so an application with
+    /// room for that number gets no more than fit, unless it has more already or a submit may use them. `keep` takes the images that are
+    /// kept, before the others are destroyed.
+    pub fn images_within(&self, capacity: u32, keep: impl FnOnce(&[vk::Image])) -> &[vk::Image] {
+        let may_shrink = capacity >= self.usual
+            && !self.is_enumerated.load(Ordering::Relaxed)
+            && !self.preparation.is_done();
+        if may_shrink && self.ring().shrink(capacity) {
+            keep(&self.app.images()[..capacity as usize]);
             self.app.shrink(capacity);
         }
         let images = self.app.images();
         self.is_enumerated.fetch_or(capacity as usize >= images.len(), Ordering::Relaxed);
-        (images, shrinks)
+        images
     }
 
     /// Device memory of the images beyond the runtime's number, which re-use needs, bytes.
@@ -121,9 +123,18 @@ struct Preparation {
 }
 
 impl Preparation {
+    /// Whether they were prepared.
+    fn is_done(&self) -> bool {
+        *self.lock()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, bool> {
+        self.is_done.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Prepares them, unless that has succeeded before.
     fn attempt(&self, prepare: impl Fn() -> Result<(), GpuError>) {
-        let mut is_done = self.is_done.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut is_done = self.lock();
         if *is_done {
             return;
         }

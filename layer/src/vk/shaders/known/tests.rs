@@ -14,6 +14,26 @@ fn launch(file: &Path) -> Arc<KnownShaders> {
 }
 
 #[test]
+fn code_is_requested_only_if_the_next_launch_will_know_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let known = launch(&folder.path().join("shaders"));
+    known.note(b"one", &shaders(false));
+    assert!(known.is_worth_a_request(b"two") && !known.is_worth_a_request(b"one"));
+    (1..MOST_MODULES as u32).for_each(|number| known.note(&number.to_le_bytes(), &shaders(false)));
+    assert!(!known.is_worth_a_request(b"two"), "as many as are kept");
+
+    let nowhere = Arc::new(KnownShaders::at(None));
+    assert!(!nowhere.is_worth_a_request(b"two"), "without a file");
+    // A folder where the file belongs.
+    fs::create_dir(folder.path().join("occupied")).unwrap();
+    let unwritable = launch(&folder.path().join("occupied"));
+    assert!(unwritable.is_worth_a_request(b"two"));
+    unwritable.note(b"one", &shaders(false));
+    unwritable.write();
+    assert!(!unwritable.is_worth_a_request(b"two"), "after a failed write");
+}
+
+#[test]
 fn a_second_launch_knows_what_the_first_has_seen() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("parafovea/shaders");
