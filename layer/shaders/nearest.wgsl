@@ -1,4 +1,4 @@
-// Kernel `nearest`: skipped blocks of a copy of a picture whose texels are not interpolated, in place, one thread for each block.
+// Kernel `nearest`: copies of the nearest texels into skipped blocks of a copied picture, in place, one thread for each block.
 // Reference: core/src/kernels/nearest.rs; core/src/mask/list.rs has the layout of the list.
 
 struct NearestParams {
@@ -68,7 +68,7 @@ fn nearest_pixel(place: Place, pixel: vec2<i32>) -> vec2<i32> {
     return source;
 }
 
-// A word of several texels, of which the first is that of a pixel.
+// A word of several texels, the first one of `pixel`.
 fn packed(place: Place, pixel: vec2<i32>) -> u32 {
     let bits = 8u * params.texel_size;
     let texels = 4u / params.texel_size;

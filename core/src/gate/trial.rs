@@ -214,7 +214,7 @@ mod tests {
         assert_eq!((segment.frames, segment.len), (1024, ROOM));
     }
 
-    /// A hitch whose pixels differ, as those of an application that reacts to the frame before, leaves cost per pixel as it is.
+    /// A hitch with other pixels leaves the cost per pixel unchanged: an application with dynamic resolution reacts to the frame before.
     #[test]
     fn pixels_of_dropped_costs_are_dropped() {
         let sample = |frame: usize| match frame {

@@ -1,6 +1,6 @@
-//! Reference of the kernel `nearest`: skipped blocks of a picture of which texels are copied, not interpolated, in a copy of it.
+//! Reference of the kernel `nearest`: copies of the nearest texels into skipped blocks of a picture.
 //!
-//! That is depth, motion, and indices: a value between two surfaces belongs to neither. After a pass, each texel of a skipped block
+//! For depth, motion and indices, which cannot be interpolated: a value between two surfaces belongs to neither. After a pass, each texel of a skipped block
 //! becomes that of the nearest source pixel, the same one in all pictures of a pass. Ahead of a pass that loads depth, skipped blocks are
 //! covered with the nearest depth. The rest stays.
 

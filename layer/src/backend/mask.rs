@@ -4,7 +4,7 @@
 //! A pass is decided on when it begins to be recorded, by the recordings and the recognition of its target in earlier frames. For an
 //! [`eligible`] pass, the depth buffer is filled from a [`DepthTemplate`] ahead of the pass, which then loads depth where the application
 //! clears it; where the application loads depth, skipped blocks are covered in that, and where it needs depth later, they are filled (see
-//! [`crate::kernels::nearest`]). In a pass without depth, or with depth that must stay as it is, fragment shaders return early in skipped blocks
+//! [`crate::kernels::nearest`]). In a pass without depth, or with depth that must not change, fragment shaders return early in skipped blocks
 //! instead (see [`MaskMethod`]). Directly after the pass, a [`ColorFill`] fills the skipped blocks of every stored colour
 //! attachment. All of it is recorded once; the content of the template and of the skip list decides the skipped blocks, and changes between submits.
 

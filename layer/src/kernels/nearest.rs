@@ -1,8 +1,8 @@
 //! `nearest`: the skipped blocks of depth that outlives its pass, and of colour that is not interpolated, in a copy of ours that goes back
 //! to the picture.
 //!
-//! The copy is a buffer, so that texels of every size can be filled on every device. Copies between buffers and the depth aspect leave
-//! stencil as it is (Vulkan specification, "Copying Data Between Buffers and Images").
+//! The copy is a buffer, so that texels of every size can be filled on every device. Copies between buffers and the depth aspect do not
+//! change stencil (Vulkan specification, "Copying Data Between Buffers and Images").
 
 use super::fill::SkipBuffer;
 use crate::gpu::{

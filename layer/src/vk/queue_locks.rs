@@ -1,7 +1,7 @@
 //! One submit at a time on each queue.
 //!
-//! Vulkan demands that of applications. Some submit on threads of their own while OpenXR calls run, in which a runtime, and this layer more often,
-//! submit to the session's queue: StereoKit uploads so, and Godot transfers so on devices with one queue.
+//! Vulkan demands this order of applications. OpenXR calls submit to the session's queue, too, with this layer more often, and some applications
+//! submit on other threads meanwhile: uploads of StereoKit, and transfers of Godot on devices with one queue.
 
 use super::table::Table;
 use ash::vk;

@@ -89,7 +89,7 @@ pub unsafe extern "system" fn submit_own(
     })
 }
 
-/// Makes a call down on a queue; on an armed device, one at a time.
+/// Submits to a queue by `next`; on an armed device, one submit at a time.
 fn alone<T>(known: &Device, queue: vk::Queue, next: impl FnOnce() -> T) -> T {
     match &known.armed {
         Some(armed) => armed.queue_locks.with(queue, next),

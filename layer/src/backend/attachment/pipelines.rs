@@ -20,7 +20,7 @@ impl RateAttachments {
         self.pipelines.get(pipeline)
     }
 
-    /// Effects of a fragment shader, without those that the configuration allows at coarse rates.
+    /// Effects of a fragment shader that forbid coarse rates, by the configuration.
     pub(super) fn counted(&self, effects: Effects) -> Effects {
         let is_allowed = self.coarse_stores && effects != Effects::UNKNOWN;
         Effects { stores: effects.stores && !is_allowed, ..effects }

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 /// The compiled kernels that masks share; a template's pipeline is its own.
 pub struct MaskKernels {
-    /// Fills skipped blocks of colour that is interpolated.
+    /// Interpolation of colour in skipped blocks.
     pub fill: Fill,
-    /// Fills those of other colour; covers and fills those of depth.
+    /// Nearest texels in skipped blocks, of depth and of colour attachments without light.
     pub nearest: NearestKernels,
 }
 

@@ -38,7 +38,7 @@ pub unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
     }
 }
 
-/// The flags of a pipeline, which a structure in the chain replaces where there is one.
+/// The flags of a pipeline, from its chain if a structure there replaces them.
 ///
 /// # Safety
 ///
@@ -50,7 +50,7 @@ pub unsafe fn flags(info: &vk::GraphicsPipelineCreateInfo<'_>) -> vk::PipelineCr
     flags2.map_or(bits, |flags2| flags2.flags)
 }
 
-/// The stage of a pipeline's own fragment shader; `None` where nothing is rasterised.
+/// The stage of a pipeline's own fragment shader; `None` if the pipeline discards its primitives.
 ///
 /// # Safety
 ///

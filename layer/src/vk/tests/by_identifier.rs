@@ -77,7 +77,7 @@ fn other_pipelines_of_the_call_are_created() {
     assert_eq!(created(derived), (vk::Result::SUCCESS, [1, 2], vec!["amended 2".to_owned()]));
 }
 
-/// Flags in the chain replace the others; the feedback of a refused pipeline is invalid; nothing is asked for where nothing is rasterised.
+/// Flags in the chain replace the others; the feedback of a refused pipeline is invalid; pipelines without rasterisation are not refused.
 #[test]
 fn state_of_the_chain_counts() {
     let mut by = vk::PipelineShaderStageModuleIdentifierCreateInfoEXT::default().identifier(b"never seen");

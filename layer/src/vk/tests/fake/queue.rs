@@ -8,7 +8,7 @@ static IS_IN_CALL: AtomicBool = AtomicBool::new(false);
 static CALLS: AtomicU32 = AtomicU32::new(0);
 static OVERLAPS: AtomicU32 = AtomicU32::new(0);
 
-/// Number of calls, and of those that began before an earlier one had ended.
+/// Number of calls, and number of overlaps with an earlier call.
 pub fn seen() -> [u32; 2] {
     [&CALLS, &OVERLAPS].map(|count| count.load(Ordering::Relaxed))
 }
