@@ -128,7 +128,7 @@ impl Draws {
 }
 
 /// Images that shaders may read.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Reads {
     /// Each once.
     pub images: SmallVec<[ImageKey; Reads::MOST]>,
@@ -159,7 +159,7 @@ impl Reads {
 }
 
 /// Facts of a pass that limit a backend.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct PassFacts {
     /// Depth is cleared at the begin (`loadOp` CLEAR).
     pub clears_depth: bool,
@@ -184,7 +184,7 @@ pub struct PassFacts {
 }
 
 /// A copy, blit or resolve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct Transfer {
     /// Copy, blit or resolve.
     pub kind: TransferKind,
@@ -199,7 +199,7 @@ pub struct Transfer {
 }
 
 /// Kinds of transfers between images.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TransferKind {
     /// vkCmdCopyImage.
     Copy,

@@ -12,6 +12,7 @@ mod placement;
 mod profile;
 mod projected;
 mod provenance;
+mod repetition;
 mod roles;
 mod trace;
 
@@ -26,6 +27,7 @@ use parafovea_manifest::options::PassRules;
 use pass_history::{PassHistory, PassSignature};
 use projected::Swapchains;
 use provenance::{Known, Provenance, Role};
+use repetition::Repetition;
 use smallvec::SmallVec;
 use std::fmt;
 
@@ -47,6 +49,7 @@ pub struct Recognition {
     /// Number of the last frame in which the picture was drawn without passes before it.
     drawn_directly_at: Option<u64>,
     rules: PassRules,
+    repetition: Repetition,
 }
 
 /// By this frame recognition has settled; before it nothing is listed.
@@ -61,7 +64,7 @@ const STEADY: u64 = 3;
 
 impl Recognition {
     /// Learns from a frame: its submitted events, and its submission. With several sessions on a device, each xrEndFrame is a frame of its
-    /// own.
+    /// own. Frames of [`Repetition`] are left out, and do not count.
     ///
     /// `describe` knows the images that occur in `events`, including images destroyed since.
     pub fn frame(
@@ -70,6 +73,10 @@ impl Recognition {
         describe: impl Fn(ImageKey) -> Option<ImageDescription>,
         shown: &Shown,
     ) {
+        if self.repetition.may_leave_out(events, shown) {
+            self.miss();
+            return;
+        }
         self.frame += 1;
         self.memory.meet(self.frame, events, describe);
         self.swapchains.show(self.frame, shown, &mut self.memory);
@@ -117,6 +124,7 @@ impl Recognition {
     /// Takes the profile's rules, which hold from now on.
     pub fn set_rules(&mut self, rules: PassRules) {
         self.rules = rules;
+        self.repetition = Repetition::default();
     }
 
     /// The scene pass of a depth pre-pass: both draw depth into one image, by the evidence of the last frames. `None` for other passes.

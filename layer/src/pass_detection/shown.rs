@@ -17,7 +17,7 @@ pub enum Eye {
 }
 
 /// The submission of one frame.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Hash, Default)]
 pub struct Shown {
     /// The views of projection layers, of all such layers.
     pub views: SmallVec<[ShownView; 4]>,
@@ -28,7 +28,7 @@ pub struct Shown {
 }
 
 /// One view of a projection layer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Hash)]
 pub struct ShownView {
     /// Eye of the view; `None` for the insets of quad views, which stay at 1x1.
     pub eye: Option<Eye>,

@@ -18,6 +18,7 @@ use super::candidate;
 use super::feedback::{images_read, is_picture};
 use crate::pass_detection::{Event, ImageKey, Pass, Reads};
 use group::{Group, Groups};
+pub(super) use kind::DrawsClass;
 use kind::Kind;
 pub(super) use known::Known;
 use remembered::Remembered;

@@ -33,20 +33,38 @@ impl Kind {
             let is_camera = pass.depth.is_some();
             return if is_camera { Self::Camera } else { Self::Screen { reads_by_meshes: false } };
         };
+        let DrawsClass { has_quads, has_meshes, is_small, is_interface } = DrawsClass::new(draws);
+        match () {
+            () if !has_quads && !has_meshes => Self::Other,
+            () if shares_depth || (pass.facts.clears_depth && has_meshes) => Self::Camera,
+            () if !has_meshes => Self::Screen { reads_by_meshes: false },
+            () if is_small => Self::Screen { reads_by_meshes: true },
+            () if writes_picture && is_interface => Self::Screen { reads_by_meshes: false },
+            () => Self::Camera,
+        }
+    }
+}
+
+/// The facts about a pass's draws that its kind depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in super::super) struct DrawsClass {
+    has_quads: bool,
+    has_meshes: bool,
+    /// Whether they are as few and small as those of a full-screen pass.
+    is_small: bool,
+    /// Whether they are as small as an interface over a picture, with that picture.
+    is_interface: bool,
+}
+
+impl DrawsClass {
+    /// The class of some draws.
+    pub(in super::super) fn new(draws: &Draws) -> Self {
         let Draws { quads, meshes, vertices, .. } = *draws;
-        if quads + meshes == 0 {
-            return Self::Other;
-        }
-        if shares_depth || (pass.facts.clears_depth && meshes > 0) {
-            return Self::Camera;
-        }
-        let is_small = quads + meshes <= MOST_DRAWS && vertices <= MOST_VERTICES;
-        let is_interface = writes_picture && quads > 0 && vertices <= MOST_INTERFACE_VERTICES;
-        match meshes {
-            0 => Self::Screen { reads_by_meshes: false },
-            _ if is_small => Self::Screen { reads_by_meshes: true },
-            _ if is_interface => Self::Screen { reads_by_meshes: false },
-            _ => Self::Camera,
+        Self {
+            has_quads: quads > 0,
+            has_meshes: meshes > 0,
+            is_small: quads.saturating_add(meshes) <= MOST_DRAWS && vertices <= MOST_VERTICES,
+            is_interface: quads > 0 && vertices <= MOST_INTERFACE_VERTICES,
         }
     }
 }

@@ -30,6 +30,8 @@ pub struct Application {
     images: HashMap<ImageKey, ImageDescription>,
     log: Vec<Event>,
     made: u64,
+    /// Whether a pass has the same depth image in every frame.
+    keeps_depth: bool,
     /// Number of the frame, from 1.
     pub frame: u64,
     /// Verdicts on passes when they were submitted, with their names.
@@ -37,6 +39,11 @@ pub struct Application {
 }
 
 impl Application {
+    /// An application whose passes have the same depth images in every frame.
+    pub fn with_kept_depth() -> Self {
+        Self { keeps_depth: true, ..Self::default() }
+    }
+
     /// Runs some frames.
     pub fn run(&mut self, frames: u64, mut frame: impl FnMut(&mut Self)) {
         for _ in 0..frames {
@@ -107,7 +114,11 @@ impl Application {
     }
 
     pub fn add_depth(&mut self, pass: &mut Pass) {
-        let depth = self.image([pass.area[2], pass.area[3]], vk::Format::D32_SFLOAT);
+        let extent = [pass.area[2], pass.area[3]];
+        let depth = match pass.colors.first().filter(|_| self.keeps_depth) {
+            Some(color) => self.kept(2_000_000 + color.image.0, extent, vk::Format::D32_SFLOAT),
+            None => self.image(extent, vk::Format::D32_SFLOAT),
+        };
         pass.depth = Some(target(depth));
         pass.facts.clears_depth = true;
     }

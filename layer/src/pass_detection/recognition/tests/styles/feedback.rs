@@ -2,16 +2,24 @@
 
 use super::super::application::*;
 use super::provenance::{full_screen, scene, unknown};
+use crate::pass_detection::recognition::HOLD;
 use crate::pass_detection::*;
 
 /// Frames until it is known, and none of the frames before counts any longer.
 const FRAMES: u64 = 8;
 
-/// Runs frames of both eyes, and returns the finding after the last.
+/// Frames, most of which recognition leaves out because they repeat, until no finding of the first ones counts.
+const LONG: u64 = 3000;
+
+/// Runs frames of both eyes, and returns the finding after the last, which is the same after a long time.
 fn of_frames(draw: impl Fn(&mut Application, usize, ImageKey)) -> Feedback {
-    let mut app = Application::default();
-    run(&mut app, FRAMES, draw);
-    app.recognition.feedback()
+    let [finding, lasting] = [FRAMES, LONG].map(|frames| {
+        let mut app = Application::with_kept_depth();
+        run(&mut app, frames, &draw);
+        app.recognition.feedback()
+    });
+    assert_eq!(finding, lasting, "after {LONG} frames");
+    finding
 }
 
 /// `draw` draws an eye, from 0, into its image of the swapchain.
@@ -135,89 +143,122 @@ fn histories_of_other_things() {
 /// The thread that renders is a frame ahead: the picture that a pass reads was drawn before the last xrEndFrame.
 #[test]
 fn a_picture_that_was_drawn_ahead() {
-    let mut app = Application::default();
-    let eyes = app.eyes();
-    app.run(FRAMES, |app| {
-        let color = kept(app, 0, EYE);
-        for chain in &eyes {
-            app.drawn("tone-map", &[app.current(chain)], false, full_screen(&[color]));
-        }
-        let shown = app.both(&eyes);
-        app.drawn("scene", &[color], true, scene(&[]));
-        app.show(&shown);
+    for frames in [FRAMES, LONG] {
+        let mut app = Application::with_kept_depth();
+        let eyes = app.eyes();
+        app.run(frames, |app| {
+            let color = kept(app, 0, EYE);
+            for chain in &eyes {
+                app.drawn("tone-map", &[app.current(chain)], false, full_screen(&[color]));
+            }
+            let shown = app.both(&eyes);
+            app.drawn("scene", &[color], true, scene(&[]));
+            app.show(&shown);
+        });
+        assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+        app.expect("scene", &looks(Eyes::Finer));
+    }
+}
+
+/// The same in three images by turns: after frames that were left out, the last picture in an image is not the one that was drawn last.
+#[test]
+fn pictures_by_turns_that_were_drawn_ahead() {
+    // Findings of the first frames have lapsed, in which nothing was drawn before.
+    let findings = [FRAMES + HOLD, LONG].map(|frames| {
+        let mut app = Application::with_kept_depth();
+        let eyes = app.eyes();
+        app.run(frames, |app| {
+            let [last, new] = [2, 3].map(|ahead| (app.frame + ahead) % 3);
+            let last = kept(app, last, EYE);
+            for chain in &eyes {
+                app.drawn("tone-map", &[app.current(chain)], false, full_screen(&[last]));
+            }
+            let shown = app.both(&eyes);
+            let new = kept(app, new, EYE);
+            app.drawn("scene", &[new], true, scene(&[]));
+            app.show(&shown);
+        });
+        app.recognition.feedback()
     });
-    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
-    app.expect("scene", &looks(Eyes::Finer));
+    assert_eq!(findings, [Feedback::Unknown; 2]);
 }
 
 /// The same by copies.
 #[test]
 fn a_picture_that_was_drawn_ahead_and_is_copied() {
-    let mut app = Application::default();
-    let eyes = app.eyes();
-    app.run(FRAMES, |app| {
-        let colors = [0, 1].map(|eye| kept(app, eye, EYE));
-        for (chain, color) in eyes.iter().zip(colors) {
-            app.copy(color, app.current(chain));
-            app.drawn("scene", &[color], true, scene(&[]));
-        }
-        app.show(&app.both(&eyes));
-    });
-    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+    for frames in [FRAMES, LONG] {
+        let mut app = Application::with_kept_depth();
+        let eyes = app.eyes();
+        app.run(frames, |app| {
+            let colors = [0, 1].map(|eye| kept(app, eye, EYE));
+            for (chain, color) in eyes.iter().zip(colors) {
+                app.copy(color, app.current(chain));
+                app.drawn("scene", &[color], true, scene(&[]));
+            }
+            app.show(&app.both(&eyes));
+        });
+        assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+    }
 }
 
 /// The thread that renders straight into the swapchain is a frame ahead.
 #[test]
 fn a_picture_that_was_drawn_ahead_into_the_swapchain() {
-    let mut app = Application::default();
-    let eyes = app.eyes();
-    app.run(FRAMES, |app| {
-        let next = eyes.map(|chain| chain.images[(app.frame as usize + 1) % 3]);
-        for image in next {
-            app.drawn("scene", &[image], true, scene(&[]));
-        }
-        app.show(&app.both(&eyes));
-    });
-    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+    for frames in [FRAMES, LONG] {
+        let mut app = Application::with_kept_depth();
+        let eyes = app.eyes();
+        app.run(frames, |app| {
+            let next = eyes.map(|chain| chain.images[(app.frame as usize + 1) % 3]);
+            for image in next {
+                app.drawn("scene", &[image], true, scene(&[]));
+            }
+            app.show(&app.both(&eyes));
+        });
+        assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+    }
 }
 
 /// Every second frame draws, and the frame after it shows the picture.
 #[test]
 fn a_picture_that_is_drawn_in_one_frame_and_shown_in_the_next() {
-    let mut app = Application::default();
-    let eyes = app.eyes();
-    app.run(2 * FRAMES, |app| {
-        let at = |frame: u64| eyes.map(|chain| chain.images[(frame / 2) as usize % 3]);
-        if app.frame.is_multiple_of(2) {
-            for image in at(app.frame) {
-                app.drawn("scene", &[image], true, scene(&[]));
+    for frames in [2 * FRAMES, LONG] {
+        let mut app = Application::with_kept_depth();
+        let eyes = app.eyes();
+        app.run(frames, |app| {
+            let at = |frame: u64| eyes.map(|chain| chain.images[(frame / 2) as usize % 3]);
+            if app.frame.is_multiple_of(2) {
+                for image in at(app.frame) {
+                    app.drawn("scene", &[image], true, scene(&[]));
+                }
             }
-        }
-        let mut shown = app.both(&eyes);
-        for (view, image) in shown.views.iter_mut().zip(at(app.frame - 1)) {
-            view.image = Some(image);
-        }
-        app.show(&shown);
-    });
-    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+            let mut shown = app.both(&eyes);
+            for (view, image) in shown.views.iter_mut().zip(at(app.frame - 1)) {
+                view.image = Some(image);
+            }
+            app.show(&shown);
+        });
+        assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+    }
 }
 
 /// At half of the frame rate, with a copy for each frame.
 #[test]
 fn a_picture_that_is_copied_twice() {
-    let mut app = Application::default();
-    let eyes = app.eyes();
-    app.run(2 * FRAMES, |app| {
-        let colors = [0, 1].map(|eye| kept(app, eye, EYE));
-        for (chain, color) in eyes.iter().zip(colors) {
-            if !app.frame.is_multiple_of(2) {
-                app.drawn("scene", &[color], true, scene(&[]));
+    for frames in [2 * FRAMES, LONG] {
+        let mut app = Application::with_kept_depth();
+        let eyes = app.eyes();
+        app.run(frames, |app| {
+            let colors = [0, 1].map(|eye| kept(app, eye, EYE));
+            for (chain, color) in eyes.iter().zip(colors) {
+                if !app.frame.is_multiple_of(2) {
+                    app.drawn("scene", &[color], true, scene(&[]));
+                }
+                app.copy(color, app.current(chain));
             }
-            app.copy(color, app.current(chain));
-        }
-        app.show(&app.both(&eyes));
-    });
-    assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+            app.show(&app.both(&eyes));
+        });
+        assert_eq!(app.recognition.feedback(), Feedback::Ahead);
+    }
 }
 
 /// The picture of a frame is known with it, or is shown again.
