@@ -89,8 +89,9 @@ fn check_bench() -> Result<(), Failed> {
     let driver = Driver::Shim(ShimDevice::Navi31);
     let cases = ["rates", "everything"].map(str::to_owned);
     let added = planning("navi31", &cases, Effort::LEAST, |run| run.driver(driver))?;
-    let found: Vec<&str> = added.iter().map(|added| added.case).collect();
-    assert_eq!(found, ["rates", "everything"]);
+    let found: Vec<_> = added.iter().map(|added| (added.pace, added.case)).collect();
+    let expected = ["back to back", "90 Hz"].map(|pace| [(pace, "rates"), (pace, "everything")]);
+    assert_eq!(found, expected.concat());
     assert!(added.iter().all(|added| added.value.is_finite() && added.p99.is_finite()), "{added:?}");
     Ok(())
 }
