@@ -80,6 +80,8 @@ pub struct SessionPlanner {
     /// Reasons for which the tracker was not believed, each of [`Rejection::ALL`].
     rejected: [bool; Rejection::ALL.len()],
     last_look: LastLook,
+    /// The newest answer of the eye tracker with its time, nanoseconds, until it is taken.
+    newest_look: Option<(Look, i64)>,
     signal: Signal,
 }
 
@@ -122,6 +124,7 @@ impl SessionPlanner {
             begun_ns: None,
             rejected: Default::default(),
             last_look: LastLook::default(),
+            newest_look: None,
             signal: Signal::default(),
         }
     }
@@ -189,10 +192,17 @@ impl SessionPlanner {
         self.gaze.head_turned(head, time_ns);
         self.gaze.set_views(self.views.seen());
         self.last_look.note(&look, time_ns);
+        self.newest_look = Some((look, time_ns));
         let rejection = self.follow(look, time_ns);
         self.signal.note(&look, self.gaze.state(time_ns).phase, time_ns);
         let place = Rejection::ALL.iter().position(|other| Some(*other) == rejection)?;
         rejection.filter(|_| !std::mem::replace(&mut self.rejected[place], true))
+    }
+
+    /// The newest answer of the eye tracker, with the phase of the gaze by it and its time, nanoseconds; `None` if it was taken before.
+    pub fn take_look(&mut self, config: &Config) -> Option<(Look, GazePhase, i64)> {
+        let (look, time_ns) = self.newest_look.take()?;
+        Some((look, self.phase(config, time_ns), time_ns))
     }
 
     /// Orientation of the head at `time_ns` in a space that rests in the world; `None` if that is not the newest time of [`Self::look`].

@@ -208,7 +208,7 @@ impl FrameEnd<'_> {
         let mut report = active.report();
         report::end_frame(&active.device, submission, active.plan.sleep.take_skipped_ends(), &mut report);
         active.take_over_decisions(report.decisions);
-        plan::frame_ended(active, config, time, &report);
+        plan::frame_ended(session, (active, config), time, &report);
         if let Some(scene) = submission.scene() {
             plan::views_shown(session, (active, config), time, &scene, submission.nearest_m());
         }

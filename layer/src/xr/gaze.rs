@@ -138,11 +138,12 @@ impl SessionGaze {
         snapshot.drift_deg = self.correction.drift_deg();
     }
 
-    /// Takes the phase of the gaze by the newest `look`, for its drift. A gaze of no tracker has none.
-    pub fn note_phase(&self, look: Look, phase: GazePhase, time: xr::Time) {
+    /// Takes the phase of the gaze by the `look` of a frame, for its drift, and the frame's display time, nanoseconds. A gaze of no tracker
+    /// has no drift.
+    pub fn note_phase(&self, look: Look, phase: GazePhase, time_ns: i64) {
         let active_source = self.state().active_source;
         if matches!(active_source, ActiveGazeSource::Eyes | ActiveGazeSource::Osc) {
-            self.correction.note_phase(active_source, look, phase, time.as_nanos());
+            self.correction.note_phase(active_source, look, phase, time_ns);
         }
     }
 

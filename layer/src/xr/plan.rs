@@ -301,14 +301,22 @@ impl VulkanSettings {
 }
 
 /// Takes the end of the frame that is shown at `time`: its cost goes to the gate, and the gate's answer to the Vulkan half at the next xrBeginFrame.
-pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &FrameReport) {
+pub fn frame_ended(
+    session: &Session,
+    (active, config): (&Active, &Config),
+    time: xr::Time,
+    report: &FrameReport,
+) {
     let state = &active.plan;
     state.take_feedback(config, report.feedback);
     let time_ns = time.as_nanos();
-    let (phase, on_cpu) = {
-        let planner = state.planner();
-        (planner.phase(config, time_ns), planner.renders_on_cpu())
+    let (look, phase, on_cpu) = {
+        let mut planner = state.planner();
+        (planner.take_look(config), planner.phase(config, time_ns), planner.renders_on_cpu())
     };
+    if let Some((look, phase, time_ns)) = look {
+        session.gaze.note_phase(look, phase, time_ns);
+    }
     let sent_settings = *state.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
     let is_timed = sent_settings.is_some_and(|sent| sent.times_frames);
     let clock =

@@ -1,6 +1,6 @@
 //! Planning at the views that the application locates and shows.
 
-use super::work::{FrameTask, PlanInputs};
+use super::work::{FrameTask, PlanInputs, follow};
 use super::{LaterViews, SessionPlan};
 use crate::abi::guard;
 use crate::config::{Config, ConfigSnapshot, GazeSource, wants_reuse};
@@ -203,7 +203,8 @@ pub(super) fn plan(
         state.audio_input().rest();
         return;
     }
-    let head = look(session, state, config, time);
+    let look = session.gaze.look(session, config, time);
+    let head = session.head_in_world(time);
     let sound = state.sound(config, time);
     let has_maps = {
         let mut planner = state.planner();
@@ -213,7 +214,7 @@ pub(super) fn plan(
         planner.listen(sound);
         planner.has_maps(config)
     };
-    let inputs = Some(PlanInputs { can_attenuate, head });
+    let inputs = Some(PlanInputs { can_attenuate, head, look });
     let task = FrameTask { config: Arc::clone(config), time_ns: time.as_nanos(), inputs, expected };
     if has_maps {
         state.thread.begin(task);
@@ -227,24 +228,10 @@ pub(super) fn plan(
 pub(super) fn watch(session: &Session, (active, config): (&Active, &ConfigSnapshot), time: xr::Time) {
     let state = &active.plan;
     if state.planner().only_watches(config, active.health() == Health::Works) {
-        look(session, state, config, time);
+        let look = session.gaze.look(session, config, time);
+        let head = session.head_in_world(time);
+        follow(&mut state.planner(), config, look, head, time.as_nanos());
     }
-}
-
-/// Asks the eye tracker, and returns how the head is turned at `time`.
-fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time) -> Quat {
-    let look = session.gaze.look(session, config, time);
-    let head = session.head_in_world(time);
-    let (rejection, phase) = {
-        let mut planner = state.planner();
-        let rejection = planner.look(config, look, head, time.as_nanos());
-        (rejection, planner.phase(config, time.as_nanos()))
-    };
-    session.gaze.note_phase(look, phase, time);
-    if let Some(reason) = rejection {
-        tracing::info!("a gaze sample was rejected: {reason}");
-    }
-    head
 }
 
 /// Orientation of the head in the layer's space at the time that a projection layer's eye buffers were drawn for: the direction of the

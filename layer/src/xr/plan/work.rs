@@ -2,7 +2,8 @@
 
 use super::SERIAL;
 use crate::abi::attempt;
-use crate::config::ConfigSnapshot;
+use crate::config::{Config, ConfigSnapshot};
+use crate::inputs::gaze::Look;
 use crate::link::FrameStart;
 use crate::planner::{Capabilities, SessionPlanner, View};
 use crate::xr::frame::{History, SortedTiles, sort_ahead};
@@ -41,6 +42,15 @@ pub struct PlanInputs {
     pub can_attenuate: bool,
     /// From the space of the head to one that rests in the world.
     pub head: Quat,
+    /// The answer of the eye tracker.
+    pub look: Look,
+}
+
+/// The planner takes the answer of the eye tracker for `time_ns`, with this orientation of the head.
+pub fn follow(planner: &mut SessionPlanner, config: &Config, look: Look, head: Quat, time_ns: i64) {
+    if let Some(reason) = planner.look(config, look, head, time_ns) {
+        tracing::info!("a gaze sample was rejected: {reason}");
+    }
 }
 
 impl PlanWork {
@@ -96,12 +106,14 @@ impl PlanWork {
 
     /// Plans a frame, and hands its rates to the Vulkan half. Calls neither the runtime nor Vulkan.
     pub fn plan(&self, task: &FrameTask) {
-        let Some(PlanInputs { can_attenuate, head }) = task.inputs.filter(|_| !self.has_failed()) else {
+        let Some(PlanInputs { can_attenuate, head, look }) = task.inputs.filter(|_| !self.has_failed())
+        else {
             return;
         };
         let mut is_made = false;
         attempt("the plan of a frame", || {
             let mut planner = self.planner();
+            follow(&mut planner, &task.config, look, head, task.time_ns);
             if planner.plan(&task.config, can_attenuate, head, task.time_ns) {
                 let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
                 if let Some(record) = planner.new_rates(&task.config, serial) {

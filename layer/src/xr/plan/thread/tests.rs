@@ -1,6 +1,7 @@
 use super::super::work::PlanInputs;
 use super::*;
 use crate::config::{Config, ConfigSnapshot};
+use crate::inputs::gaze::Look;
 use crate::planner::{ShownView, View};
 use crate::xr::tests::fake::vulkan_half;
 use crate::xr::vulkan_device::VulkanDevice;
@@ -25,7 +26,7 @@ fn thread() -> PlanThread {
 }
 
 fn task(config: &Arc<ConfigSnapshot>, frame: i64, expected: SmallVec<[View; 4]>) -> FrameTask {
-    let inputs = Some(PlanInputs { can_attenuate: true, head: Quat::IDENTITY });
+    let inputs = Some(PlanInputs { can_attenuate: true, head: Quat::IDENTITY, look: Look::NoTracker });
     FrameTask { config: Arc::clone(config), time_ns: frame * FRAME_NS, inputs, expected }
 }
 
