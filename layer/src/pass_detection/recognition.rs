@@ -64,7 +64,7 @@ const STEADY: u64 = 3;
 
 impl Recognition {
     /// Learns from a frame: its submitted events, and its submission. With several sessions on a device, each xrEndFrame is a frame of its
-    /// own. Frames of [`Repetition`] are left out, and do not count.
+    /// own. Most repeated frames ([`Repetition`]) are left out, and do not count; returns whether it learned.
     ///
     /// `describe` knows the images that occur in `events`, including images destroyed since.
     pub fn frame(
@@ -72,10 +72,10 @@ impl Recognition {
         events: &[Event],
         describe: impl Fn(ImageKey) -> Option<ImageDescription>,
         shown: &Shown,
-    ) {
+    ) -> bool {
         if self.repetition.may_leave_out(events, shown) {
             self.miss();
-            return;
+            return false;
         }
         self.frame += 1;
         self.memory.meet(self.frame, events, describe);
@@ -92,6 +92,7 @@ impl Recognition {
         self.pass_history = cast;
         self.memory.forget(self.frame);
         self.swapchains.forget(self.frame);
+        true
     }
 
     /// Frames have ended that it does not learn from.

@@ -4,8 +4,11 @@ use crate::frame_graphs::frame::{Arrangement, DEPTH, Frame, HDR, Image, PACKED, 
 use crate::frame_graphs::step::{Step, Truth};
 use std::time::Duration;
 
-/// Frames of a run: recognition learns from the first half of them all, and leaves out most of the others.
-const FRAMES: usize = 240;
+/// Frames of a run.
+const FRAMES: usize = 1000;
+
+/// First frames of it, nearly all of which recognition learns from; it leaves out most of the others.
+const LEARNED: usize = 750;
 
 /// Images that a pass reads.
 const READS: usize = 12;
@@ -18,7 +21,7 @@ pub fn per_frame(passes: usize, is_bindless: bool) -> [Duration; 2] {
     for _ in 0..FRAMES {
         world.frame([2016, 2240], Arrangement::Separate, 1.0, is_bindless, |frame| draw(frame, passes));
     }
-    let (learned, repeated) = world.spent.split_at_mut(FRAMES / 2);
+    let (learned, repeated) = world.spent.split_at_mut(LEARNED);
     [learned, repeated].map(|spent| {
         spent.sort();
         spent[spent.len() / 2]

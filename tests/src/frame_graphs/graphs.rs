@@ -26,7 +26,7 @@ pub struct Graph {
 
 impl Graph {
     /// Frames of each scene.
-    pub const FRAMES: u64 = 300;
+    pub const FRAMES: u64 = 1000;
 
     /// Frames of all of it.
     pub fn frames(&self) -> u64 {

@@ -178,8 +178,9 @@ impl Log {
     /// Learns from the frame, and begins the next one.
     pub fn end_frame(&mut self, objects: &Objects, shown: &Shown) {
         self.notes.end_frame(objects, self.frame, &self.events);
-        self.recognition.frame(&self.events, |key| objects.describe(key), shown);
-        self.recognition.log_new_verdicts(|topic, line| crate::status::decided(topic, line));
+        if self.recognition.frame(&self.events, |key| objects.describe(key), shown) {
+            self.recognition.log_new_verdicts(|topic, line| crate::status::decided(topic, line));
+        }
         self.begin_next(objects);
     }
 

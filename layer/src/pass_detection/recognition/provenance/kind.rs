@@ -67,4 +67,12 @@ impl DrawsClass {
             is_interface: quads > 0 && vertices <= MOST_INTERFACE_VERTICES,
         }
     }
+
+    /// The part of it that the kind of `pass` depends on.
+    pub(in super::super) fn within(self, pass: &Pass) -> Self {
+        match pass.facts.clears_depth && self.has_meshes {
+            true => Self { has_quads: false, has_meshes: true, is_small: false, is_interface: false },
+            false => self,
+        }
+    }
 }
