@@ -128,7 +128,7 @@ impl Draws {
 }
 
 /// Images that shaders may read.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Reads {
     /// Each once.
     pub images: SmallVec<[ImageKey; Reads::MOST]>,
@@ -159,7 +159,7 @@ impl Reads {
 }
 
 /// Facts of a pass that limit a backend.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct PassFacts {
     /// Depth is cleared at the begin (`loadOp` CLEAR).
     pub clears_depth: bool,

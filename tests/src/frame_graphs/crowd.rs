@@ -7,7 +7,7 @@ use std::time::Duration;
 /// Frames of a run.
 const FRAMES: usize = 1000;
 
-/// First frames of it, nearly all of which recognition learns from; it leaves out most of the others.
+/// Number of its first frames: recognition learns from them, and leaves out most of the later ones.
 const LEARNED: usize = 750;
 
 /// Images that a pass reads.

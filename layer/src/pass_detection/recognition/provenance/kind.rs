@@ -50,9 +50,9 @@ impl Kind {
 pub(in super::super) struct DrawsClass {
     has_quads: bool,
     has_meshes: bool,
-    /// Whether they are as few and small as those of a full-screen pass.
+    /// Whether their number and size allow a full-screen pass.
     is_small: bool,
-    /// Whether they are as small as an interface over a picture, with that picture.
+    /// Whether their size allows a picture and an interface over it.
     is_interface: bool,
 }
 

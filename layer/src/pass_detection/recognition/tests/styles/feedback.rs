@@ -8,7 +8,7 @@ use crate::pass_detection::*;
 /// Frames until it is known, and none of the frames before counts any longer.
 const FRAMES: u64 = 8;
 
-/// Frames, most of which recognition leaves out because they repeat, until no finding of the first ones counts.
+/// Number of repeated frames until findings of the first ones have lapsed; recognition leaves out most of them.
 const LONG: u64 = 3000;
 
 /// Runs frames of both eyes, and returns the finding after the last, which is the same after a long time.
