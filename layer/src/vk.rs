@@ -30,6 +30,7 @@ mod negotiate;
 mod newer;
 pub(crate) mod objects;
 mod perception;
+mod planned_texels;
 mod pre_submit;
 mod queue_locks;
 pub(crate) mod quirks;

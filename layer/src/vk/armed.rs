@@ -6,6 +6,7 @@ use super::functions::ArmedTable;
 use super::layouts::Layouts;
 use super::objects::{Image, Objects, QueueId};
 use super::perception::Perception;
+use super::planned_texels::PlannedTexels;
 use super::pre_submit::{PreSubmitRing, Submitter};
 use super::queue_locks::QueueLocks;
 use super::runtime_section;
@@ -51,6 +52,8 @@ pub struct Armed {
     pub candidates: Candidates,
     /// The current frame: the OpenXR half's plan, and the application's events.
     pub frame: Frame,
+    /// The plan's rates as texels of maps.
+    pub planned_texels: PlannedTexels,
     /// Our work ahead of the application's submits, by queue.
     pub rings: Table<vk::Queue, Arc<PreSubmitRing>>,
     /// Held during calls down on a queue.
@@ -93,6 +96,7 @@ impl Armed {
             layouts: Layouts::default(),
             candidates: Candidates::default(),
             frame: Frame::default(),
+            planned_texels: PlannedTexels::default(),
             rings: Table::default(),
             queue_locks: QueueLocks::default(),
             perception: Perception::default(),
@@ -250,6 +254,7 @@ impl Armed {
                 ring.destroy(functions);
             }
         }
+        self.planned_texels.destroy(self.functions());
         self.candidates.clear();
         self.timing.clear();
         self.perception.end();

@@ -4,7 +4,7 @@
 
 mod content;
 
-pub use content::{Content, Need, Parts};
+pub use content::{Content, Need, Parts, Texels};
 
 use super::frame::MapContent;
 use super::objects::Objects;

@@ -186,6 +186,7 @@ unsafe fn note_start(armed: &Armed, start: &FrameStart) {
             unsafe { slice(eye.rates, columns.saturating_mul(rows)) }
         });
         armed.frame.set_plan(plan, rates);
+        armed.planned_texels.resolve_ahead(&armed.frame, &armed.offered_rates);
     }
     if let Some(awaited) = awaited {
         armed.frame.awaited.set(awaited);

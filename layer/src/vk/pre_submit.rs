@@ -1,8 +1,10 @@
 //! Work of ours ahead of the application's submits to a queue: a ring of command buffers that are used again and again.
 
 mod slot;
+mod staging;
 
 pub use slot::Slot;
+pub use staging::Staging;
 
 use super::frame::Frame;
 use super::queue_locks::QueueLocks;

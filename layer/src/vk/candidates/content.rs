@@ -4,12 +4,16 @@ use crate::pass_detection::{Eyes, Part};
 use ash::vk;
 use parafovea_core::reuse::StaleTiles;
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// Most rectangles of one target that are distinguished in a frame; with more, all is 1x1.
 const MOST_USES: usize = 8;
 
 /// Parts of the target that show an eye, as fractions of `area`.
 pub type Parts = SmallVec<[Part; 4]>;
+
+/// Texels of all layers of a map, row by row.
+pub type Texels = Arc<Vec<u8>>;
 
 /// The content of a map.
 #[derive(Debug, Default)]
@@ -85,7 +89,7 @@ impl Sharing {
 struct MapSource {
     area: [u32; 4],
     parts: Parts,
-    texels: Vec<u8>,
+    texels: Texels,
 }
 
 /// One rectangle of a target that a pass draws.
@@ -213,15 +217,16 @@ impl Content {
         self.unfilled.1
     }
 
-    /// Takes the source of the next map on the GPU: these texels, resolved over `parts` of `area`, in exchange for others. Returns whether it
-    /// changed; otherwise the map has this content already.
-    pub fn resolve(&mut self, area: [u32; 4], parts: &[Part], texels: &mut Vec<u8>) -> bool {
+    /// Takes the source of the next map on the GPU: these texels, resolved over `parts` of `area`. Returns whether it changed; otherwise the map
+    /// has this content already. Texels that do not change stay the same object.
+    pub fn resolve(&mut self, area: [u32; 4], parts: &[Part], texels: &Texels) -> bool {
         let source = &mut self.source;
-        let is_same = source.area == area && source.parts.as_slice() == parts && source.texels == *texels;
+        let is_same =
+            source.area == area && source.parts.as_slice() == parts && Arc::ptr_eq(&source.texels, texels);
         if !is_same {
             source.area = area;
             source.parts = parts.into();
-            std::mem::swap(&mut source.texels, texels);
+            source.texels = Arc::clone(texels);
         }
         !(std::mem::replace(&mut self.is_uploaded, true) && is_same)
     }

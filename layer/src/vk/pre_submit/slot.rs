@@ -1,8 +1,7 @@
 //! One command buffer of a ring, its fence, and the staging memory that it reads.
 
-use super::{Kept, Submitter};
+use super::{Kept, Staging, Submitter};
 use crate::gpu::functions::init_dispatch;
-use crate::gpu::memory::memory_type;
 use crate::gpu::{GpuError, wait_device, wait_fence};
 use crate::vk::timing::{Timer, Work};
 use ash::vk;
@@ -15,10 +14,7 @@ pub struct Slot {
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     fence: vk::Fence,
-    memory: vk::PhysicalDeviceMemoryProperties,
     staging: Option<Staging>,
-    /// Scratch space to resolve a map.
-    pub texels: Vec<u8>,
     /// Memory for stale tiles.
     pub words: Vec<u32>,
     /// Objects in use by the command buffer while it is pending.
@@ -32,17 +28,6 @@ pub struct Slot {
     pending: Option<u64>,
 }
 
-/// A buffer that stays mapped.
-struct Staging {
-    buffer: vk::Buffer,
-    memory: vk::DeviceMemory,
-    mapped: *mut u8,
-    len: usize,
-}
-
-// SAFETY: the pointer is to memory that stays mapped as long as the value lives, and writing through it takes `&mut`.
-unsafe impl Send for Staging {}
-
 impl Slot {
     /// # Safety
     ///
@@ -52,10 +37,6 @@ impl Slot {
         let info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
             .queue_family_index(family);
-        // SAFETY: the physical device is that of the live device, as `# Safety` demands.
-        let memory = unsafe {
-            own.functions.instance.get_physical_device_memory_properties(own.record.physical_device)
-        };
         // SAFETY: the device is live and has that family, as `# Safety` demands.
         let pool = unsafe { device.create_command_pool(&info, None) }
             .map_err(GpuError::from_call("vkCreateCommandPool"))?;
@@ -63,9 +44,7 @@ impl Slot {
             pool,
             commands: vk::CommandBuffer::null(),
             fence: vk::Fence::null(),
-            memory,
             staging: None,
-            texels: Vec::new(),
             words: Vec::new(),
             kept: Kept::new(),
             timer: own.timing.own_timer(own.functions, family),
@@ -142,7 +121,7 @@ impl Slot {
 
     /// The staging memory.
     pub fn buffer(&self) -> vk::Buffer {
-        self.staging.as_ref().map_or(vk::Buffer::null(), |staging| staging.buffer)
+        self.staging.as_ref().map_or(vk::Buffer::null(), Staging::buffer)
     }
 
     /// Begins to record that work, with staging memory for so many bytes.
@@ -153,11 +132,11 @@ impl Slot {
     pub unsafe fn begin(&mut self, own: Submitter<'_>, work: Work, len: usize) -> Result<(), GpuError> {
         self.work = work;
         let device = &own.functions.device;
-        if len > 0 && self.staging.as_ref().is_none_or(|staging| staging.len < len) {
+        if len > 0 && self.staging.as_ref().is_none_or(|staging| staging.len() < len) {
             if let Some(small) = self.staging.take() {
                 small.destroy(device);
             }
-            self.staging = Some(Staging::new(device, &self.memory, len.next_multiple_of(STEP))?);
+            self.staging = Some(Staging::new(own, len.next_multiple_of(STEP))?);
         }
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: nothing of the pool is pending.
@@ -178,10 +157,8 @@ impl Slot {
 
     /// Writes staging memory.
     pub fn stage(&mut self, offset: usize, len: usize, write: impl FnOnce(&mut [u8])) {
-        let Some(staging) = &self.staging else { return };
-        if offset + len <= staging.len {
-            // SAFETY: within the mapped memory, which no other code writes, and the GPU does not read: not pending.
-            let bytes = unsafe { std::slice::from_raw_parts_mut(staging.mapped.add(offset), len) };
+        let bytes = self.staging.as_mut().and_then(|staging| staging.bytes().get_mut(offset..offset + len));
+        if let Some(bytes) = bytes {
             write(bytes);
         }
     }
@@ -231,71 +208,6 @@ impl Slot {
             }
             device.destroy_fence(self.fence, None);
             device.destroy_command_pool(self.pool, None);
-        }
-    }
-}
-
-impl Staging {
-    fn new(
-        device: &ash::Device,
-        memory: &vk::PhysicalDeviceMemoryProperties,
-        len: usize,
-    ) -> Result<Self, GpuError> {
-        let info = vk::BufferCreateInfo::default()
-            .size(len as vk::DeviceSize)
-            .usage(vk::BufferUsageFlags::TRANSFER_SRC)
-            .sharing_mode(vk::SharingMode::EXCLUSIVE);
-        // SAFETY: the device is live; the new objects are destroyed where a later step fails.
-        unsafe {
-            let buffer = device.create_buffer(&info, None).map_err(GpuError::from_call("vkCreateBuffer"))?;
-            let mut staging =
-                Self { buffer, memory: vk::DeviceMemory::null(), mapped: std::ptr::null_mut(), len };
-            match staging.bind(device, memory) {
-                Ok(()) => Ok(staging),
-                Err(error) => {
-                    staging.destroy(device);
-                    Err(error)
-                }
-            }
-        }
-    }
-
-    /// # Safety
-    ///
-    /// The buffer is a new one of the live device.
-    unsafe fn bind(
-        &mut self,
-        device: &ash::Device,
-        memory: &vk::PhysicalDeviceMemoryProperties,
-    ) -> Result<(), GpuError> {
-        let coherent = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        // SAFETY: the buffer is one of the live device, as `# Safety` demands.
-        let requirements = unsafe { device.get_buffer_memory_requirements(self.buffer) };
-        let kind = memory_type(memory, requirements.memory_type_bits, coherent)
-            .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
-        let info =
-            vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
-        // SAFETY: the buffer is new, so that no memory is bound to it; this memory is of the size and type that it requires, and visible to
-        // the host.
-        unsafe {
-            self.memory =
-                device.allocate_memory(&info, None).map_err(GpuError::from_call("vkAllocateMemory"))?;
-            device
-                .bind_buffer_memory(self.buffer, self.memory, 0)
-                .map_err(GpuError::from_call("vkBindBufferMemory"))?;
-            self.mapped = device
-                .map_memory(self.memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty())
-                .map_err(GpuError::from_call("vkMapMemory"))?
-                .cast();
-        }
-        Ok(())
-    }
-
-    fn destroy(self, device: &ash::Device) {
-        // SAFETY: both are of this live device and in no command buffer that is pending; freeing unmaps.
-        unsafe {
-            device.destroy_buffer(self.buffer, None);
-            device.free_memory(self.memory, None);
         }
     }
 }

@@ -1,12 +1,13 @@
 //! New maps, and the decisions behind them, ahead of the application's submits to a queue.
 
 use super::Outdated;
-use crate::backend::Upload;
+use crate::backend::{MapForm, Upload};
 use crate::gpu::GpuError;
-use crate::rate_map::{RateImage, refine_fresh};
+use crate::rate_map::RateImage;
 use crate::vk::armed::Armed;
-use crate::vk::candidates::{Candidate, Need, Parts};
+use crate::vk::candidates::{Candidate, Need, Parts, Texels};
 use crate::vk::perception::{Deciding, MapTarget, Written};
+use crate::vk::planned_texels::MapShape;
 use crate::vk::pre_submit::{Kept, PreSubmitRing, Slot, Submitter};
 use crate::vk::timing::Work;
 use ash::vk;
@@ -33,8 +34,8 @@ pub unsafe fn submit(
     ring.with_slot(own, is_urgent, |slot| unsafe { fill(slot, armed, own, queue, outdated, deciding) });
 }
 
-/// Records the decision, then for each candidate its map: resolved on the GPU from that decision, or else by the plan into the slot's
-/// staging memory and copied; and submits all of it.
+/// Records the decision, then for each candidate its map: resolved on the GPU from that decision, or else the plan's texels as a copy from
+/// staging memory; and submits all of it.
 ///
 /// # Safety
 ///
@@ -47,39 +48,75 @@ unsafe fn fill(
     outdated: Outdated,
     deciding: Option<&Deciding>,
 ) -> Result<(), GpuError> {
-    let lengths = outdated.iter().map(|candidate| candidate.map.staging_len());
-    let len = lengths.map(|len| len.next_multiple_of(ALIGNMENT)).sum();
+    let staged = outdated.iter().filter(|candidate| !takes_texels(candidate));
+    let len = staged.map(|candidate| candidate.map.staging_len().next_multiple_of(ALIGNMENT)).sum();
     // SAFETY: the slot is not pending, as `# Safety` demands, and its device is that of `own`.
     unsafe { slot.begin(own, Work::Maps, len) }?;
-    let (commands, mut kept) = (slot.commands(), Kept::new());
-    if let Some(deciding) = deciding {
-        // SAFETY: the command buffer began above, for the queue of the decision; the slot holds `kept` until it has finished.
-        unsafe { armed.perception.decide(&armed.frame, commands, deciding, &mut slot.words, &mut kept) };
-    }
-    let mut offset = 0;
-    for candidate in &outdated {
-        // SAFETY: the command buffer began above, for this queue; the slot holds `kept` and the candidates until it has finished.
-        if unsafe { resolve_on_gpu(armed, candidate, (queue, commands), &mut kept) } {
-            continue;
+    let mut kept = Kept::new();
+    // SAFETY: the slot is recording since the begin above, for this queue, and holds `kept` and the candidates until it has finished.
+    let recorded = unsafe { record(slot, armed, (own, queue), (&outdated, deciding), &mut kept) };
+    let submitted = match recorded {
+        Ok(false) => return Ok(()),
+        Ok(true) => {
+            kept.extend(outdated.iter().map(|candidate| Arc::clone(candidate) as Arc<dyn Any + Send + Sync>));
+            // SAFETY: this thread may use the queue, as `# Safety` demands; the slot is recording since the begin above.
+            unsafe { slot.submit(own, queue, kept) }
         }
-        let len = candidate.map.staging_len();
-        if stage_plan(slot, armed, candidate, offset) {
-            let upload = Upload { commands, staging: slot.buffer(), offset: offset as vk::DeviceSize, len };
-            // SAFETY: as above; the slot's staging memory holds the map from there on.
-            unsafe { candidate.map.record_upload(upload) };
-            offset += len.next_multiple_of(ALIGNMENT);
-        }
-    }
-    if offset == 0 && kept.is_empty() {
-        return Ok(());
-    }
-    kept.extend(outdated.iter().map(|candidate| Arc::clone(candidate) as Arc<dyn Any + Send + Sync>));
-    // SAFETY: this thread may use the queue, as `# Safety` demands; the slot is recording since the begin above.
-    let submitted = unsafe { slot.submit(own, queue, kept) };
+        Err(error) => Err(error),
+    };
     if submitted.is_err() {
         outdated.iter().for_each(|candidate| candidate.content().upload_failed());
     }
     submitted
+}
+
+/// Records the decision and the maps. Returns whether anything was recorded.
+///
+/// # Safety
+///
+/// The slot is recording, for the queue, and `kept` and the candidates live until that has finished; `own` is of `armed`.
+unsafe fn record(
+    slot: &mut Slot,
+    armed: &Armed,
+    (own, queue): (Submitter<'_>, vk::Queue),
+    (outdated, deciding): (&Outdated, Option<&Deciding>),
+    kept: &mut Kept,
+) -> Result<bool, GpuError> {
+    let commands = slot.commands();
+    if let Some(deciding) = deciding {
+        // SAFETY: the command buffer is recording for the queue of the decision, and `kept` lives until it has finished.
+        unsafe { armed.perception.decide(&armed.frame, commands, deciding, &mut slot.words, kept) };
+    }
+    let (mut offset, mut has_maps) = (0, false);
+    for candidate in outdated {
+        // SAFETY: the command buffer is recording for this queue; `kept` and the candidates live until it has finished.
+        if unsafe { resolve_on_gpu(armed, candidate, (queue, commands), kept) } {
+            continue;
+        }
+        let Some((shape, texels)) = new_texels(armed, candidate) else { continue };
+        let len = candidate.map.staging_len();
+        let upload = if takes_texels(candidate) {
+            let staged = armed.planned_texels.staged(&texels, own)?;
+            let upload = Upload { commands, staging: staged.buffer(), offset: 0, len };
+            kept.push(staged);
+            upload
+        } else {
+            let write = |bytes: &mut [u8]| candidate.map.stage(&shape.parts, &shape.image, &texels, bytes);
+            slot.stage(offset, len, write);
+            let upload = Upload { commands, staging: slot.buffer(), offset: offset as vk::DeviceSize, len };
+            offset += len.next_multiple_of(ALIGNMENT);
+            upload
+        };
+        // SAFETY: as above; the staging memory holds the map from the offset on, and is kept or that of the slot.
+        unsafe { candidate.map.record_upload(upload) };
+        has_maps = true;
+    }
+    Ok(has_maps || !kept.is_empty())
+}
+
+/// Whether a candidate's map takes texels as they are.
+fn takes_texels(candidate: &Candidate) -> bool {
+    matches!(candidate.map.form(), Some(MapForm::Texels))
 }
 
 /// The rate image of a candidate, and the shown parts of it.
@@ -127,29 +164,19 @@ unsafe fn resolve_on_gpu(
     true
 }
 
-/// Resolves the plan over a candidate's map, and writes that to the slot's staging memory at `offset`; false where the map holds it already.
-fn stage_plan(slot: &mut Slot, armed: &Armed, candidate: &Candidate, offset: usize) -> bool {
+/// The plan's texels for a candidate's map, with their shape; `None` where the map holds them already.
+fn new_texels(armed: &Armed, candidate: &Candidate) -> Option<(MapShape, Texels)> {
     let (image, parts) = rate_image(candidate);
-    let is_new = {
-        let mut content = candidate.content();
+    let is_unfilled = candidate.content().is_unfilled();
+    let skips_stale_tiles = candidate.map.skips_stale_tiles();
+    let shape = MapShape { image, parts, skips_stale_tiles, is_unfilled };
+    let mut content = candidate.content();
+    let texels = {
         let mut plan = armed.frame.plan();
-        plan.resolve(&parts, &image, &armed.offered_rates, &mut slot.texels);
-        if !candidate.map.skips_stale_tiles() && plan.has_stale_tiles() {
-            armed.offered_rates.coarsen_stale(&mut slot.texels);
-        }
-        if content.is_unfilled() {
-            refine_fresh(&mut slot.texels);
-        }
-        content.uploaded(plan.serial(), &parts, plan.stale());
-        content.resolve(image.area, &parts, &mut slot.texels)
+        content.uploaded(plan.serial(), &shape.parts, plan.stale());
+        armed.planned_texels.of(&shape, &mut plan, &armed.offered_rates)
     };
-    if is_new {
-        let content = candidate.content();
-        slot.stage(offset, candidate.map.staging_len(), |staging| {
-            candidate.map.stage(&parts, &image, content.texels(), staging);
-        });
-    }
-    is_new
+    content.resolve(shape.image.area, &shape.parts, &texels).then_some((shape, texels))
 }
 
 /// Staged maps begin at multiples of this, which copies of any format accept.

@@ -167,21 +167,16 @@ fn a_target_on_one_queue_again_is_shaded_coarsely_again() {
 #[test]
 fn an_unchanged_map_is_not_uploaded() {
     let mut content = Content::initialised();
-    let (some, others) = ([STALE, 0], [0, STALE]);
-    assert!(content.resolve(AREA, &full(), &mut some.to_vec()));
-    assert!(!content.resolve(AREA, &full(), &mut some.to_vec()));
-    assert_eq!(content.texels(), some);
-    assert!(content.resolve(AREA, &full(), &mut others.to_vec()), "other texels");
-    assert!(content.resolve(AREA, &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()), "other pictures");
-    assert!(
-        content.resolve([0, 0, 50, 50], &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()),
-        "another area"
-    );
+    let (some, others): (Texels, Texels) = (Arc::new(vec![STALE, 0]), Arc::new(vec![0, STALE]));
+    let (half, area) = ([part([0.0, 0.0, 0.5, 1.0])], [0, 0, 50, 50]);
+    assert!(content.resolve(AREA, &full(), &some));
+    assert!(!content.resolve(AREA, &full(), &some));
+    assert_eq!(content.texels(), *some);
+    assert!(content.resolve(AREA, &full(), &others), "other texels");
+    assert!(content.resolve(AREA, &half, &others), "other pictures");
+    assert!(content.resolve(area, &half, &others), "another area");
     content.lose();
-    assert!(
-        content.resolve([0, 0, 50, 50], &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()),
-        "it never got there"
-    );
+    assert!(content.resolve(area, &half, &others), "it never got there");
 }
 
 /// As in a device that is out of memory for one submit.
