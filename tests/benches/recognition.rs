@@ -2,7 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "a bench prints")]
 
-use parafovea_tests::frame_graphs::crowd;
+use parafovea_tests::frame_graphs::crowd::{self, Times};
 use parafovea_tests::frame_graphs::random::RandomGraph;
 use parafovea_tests::frame_graphs::{GRAPHS, Score, run};
 use std::process::ExitCode;
@@ -45,8 +45,11 @@ fn main() -> ExitCode {
     }
     for passes in [20, 100, 300, 1000] {
         for (is_bindless, reads) in [(false, "known reads"), (true, "unknown reads")] {
-            let spent = crowd::per_frame(passes, is_bindless).map(|spent| spent.as_secs_f64() * 1e6);
-            for (kind, us) in ["first frames", "repeated frames"].into_iter().zip(spent) {
+            let Times { learned, repeated, verdicts } = crowd::per_frame(passes, is_bindless);
+            for (kind, spent) in
+                [("first frames", learned), ("repeated frames", repeated), ("verdicts", verdicts)]
+            {
+                let us = spent.as_secs_f64() * 1e6;
                 match is_json {
                     true => println!(
                         "{{\"bench\":\"recognition\",\"app\":\"crowd\",\"case\":\"{passes} passes, {reads}, {kind}\",\"metric\":\"per_frame\",\"value\":{us:.1},\"unit\":\"us\"}}"

@@ -88,7 +88,7 @@ impl Recognition {
         let mut cast = std::mem::take(&mut self.pass_history);
         let is_young = |image| self.memory.is_young(self.frame, image);
         cast.take(events, |image| self.memory.description(image), is_young);
-        cast.judge(|pass, ordinal| self.by_image(pass, ordinal, |image| self.memory.description(image)));
+        cast.judge(|pass, ordinal| self.by_image(pass, || ordinal, |image| self.memory.description(image)));
         self.pass_history = cast;
         self.memory.forget(self.frame);
         self.swapchains.forget(self.frame);
@@ -112,7 +112,7 @@ impl Recognition {
         describe: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) -> Result<Match, Unmatched> {
         let description = |image| self.memory.description(image).or_else(|| describe(image));
-        let judged = match self.by_image(pass, ordinal(pass, earlier), description) {
+        let judged = match self.by_image(pass, || ordinal(pass, earlier), description) {
             Err(unsettled) if self.is_young(pass, unsettled) => {
                 let shape = PassSignature::new(pass, description).ok_or(Unmatched::UnknownImage)?;
                 self.pass_history.like(&shape, earlier, description).unwrap_or(Err(unsettled))
@@ -151,7 +151,7 @@ impl Recognition {
     fn by_image(
         &self,
         pass: &Pass,
-        ordinal: usize,
+        ordinal: impl FnOnce() -> usize,
         description: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) -> Result<Match, Unmatched> {
         let first = pass.colors.first().ok_or(Unmatched::NoColour)?;
@@ -304,14 +304,16 @@ impl Recognition {
 
 /// Number of passes before `pass` that draw its first image, with depth if it has depth, else without.
 fn ordinal(pass: &Pass, earlier: &[Event]) -> usize {
-    let is_before = |event: &&Event| matches!(event, Event::Pass(other) if is_in_sequence(other, pass));
+    let key = sequence_key(pass);
+    let is_before = |event: &&Event| matches!(event, Event::Pass(other) if sequence_key(other) == key);
     earlier.iter().filter(is_before).count()
 }
 
-/// Whether two passes draw the same first image, both with depth or both without, so that their order distinguishes them.
-fn is_in_sequence(one: &Pass, other: &Pass) -> bool {
-    let key = |pass: &Pass| (pass.colors.first().map(|target| target.image), pass.depth.is_some());
-    key(one) == key(other)
+/// The first image of a pass, and whether it has depth: the order of passes with the same key distinguishes them.
+type SequenceKey = (Option<ImageKey>, bool);
+
+fn sequence_key(pass: &Pass) -> SequenceKey {
+    (pass.colors.first().map(|target| target.image), pass.depth.is_some())
 }
 
 type Parts = SmallVec<[Part; 4]>;

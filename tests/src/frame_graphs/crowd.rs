@@ -10,22 +10,39 @@ const FRAMES: usize = 1000;
 /// Number of its first frames: recognition learns from them, and leaves out most of the later ones.
 const LEARNED: usize = 750;
 
+/// First frame whose verdicts count: the first ones are on new images.
+const SETTLED: usize = 10;
+
 /// Images that a pass reads.
 const READS: usize = 12;
 
-/// Median time of recognition at the end of a frame of `passes` passes before the scene's: cameras, and every third a full-screen pass. Each
-/// reads the images of the twelve before it, or unknown images if `is_bindless`. First of frames that it learns from, then of frames that
-/// repeat the last ones.
-pub fn per_frame(passes: usize, is_bindless: bool) -> [Duration; 2] {
+/// Median times of recognition.
+pub struct Times {
+    /// At the end of a frame that it learns from.
+    pub learned: Duration,
+    /// At the end of a frame that repeats one of the last.
+    pub repeated: Duration,
+    /// The verdicts on the passes of a frame, before their submits.
+    pub verdicts: Duration,
+}
+
+/// Times of recognition in frames of `passes` passes before the scene's: cameras, and every third a full-screen pass. Each reads the images
+/// of the twelve before it, or unknown images if `is_bindless`.
+pub fn per_frame(passes: usize, is_bindless: bool) -> Times {
     let mut world = World::default();
     for _ in 0..FRAMES {
         world.frame([2016, 2240], Arrangement::Separate, 1.0, is_bindless, |frame| draw(frame, passes));
     }
-    let (learned, repeated) = world.spent.split_at_mut(LEARNED);
-    [learned, repeated].map(|spent| {
+    let median = |spent: &mut [Duration]| {
         spent.sort();
         spent[spent.len() / 2]
-    })
+    };
+    let (learned, repeated) = world.spent.split_at_mut(LEARNED);
+    Times {
+        learned: median(learned),
+        repeated: median(repeated),
+        verdicts: median(&mut world.verdicts_took[SETTLED..]),
+    }
 }
 
 fn draw(frame: &mut Frame<'_>, passes: usize) {

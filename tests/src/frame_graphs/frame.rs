@@ -63,6 +63,10 @@ pub struct World {
     pub seen: Vec<Seen>,
     /// Time of recognition at the end of each frame.
     pub spent: Vec<Duration>,
+    /// Time of the verdicts within each frame.
+    pub verdicts_took: Vec<Duration>,
+    /// The same of the current frame.
+    verdicts: Duration,
 }
 
 /// A frame that is being drawn.
@@ -99,6 +103,7 @@ impl World {
         let begin = Instant::now();
         self.recognition.frame(&self.log, |image| images.get(&image).copied(), &shown);
         self.spent.push(begin.elapsed());
+        self.verdicts_took.push(std::mem::take(&mut self.verdicts));
         self.log.clear();
     }
 
@@ -236,8 +241,10 @@ impl Frame<'_> {
             |image: ImageKey| images.get(&image).is_some_and(|image| image.format != DEPTH && !image.is_cube);
         let step = if self.is_bindless { step.bindless() } else { step.reading(is_followed) };
         let Step { name, truth, pass } = step;
-        let World { recognition, images, log, seen, .. } = &mut *self.world;
+        let World { recognition, images, log, seen, verdicts, .. } = &mut *self.world;
+        let begin = Instant::now();
         let outcome = recognition.of(&pass, log, |image| images.get(&image).copied());
+        *verdicts += begin.elapsed();
         seen.push(Seen { frame: self.number, name, truth, outcome });
         log.push(Event::Pass(pass));
     }

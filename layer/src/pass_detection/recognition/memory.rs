@@ -249,7 +249,13 @@ impl Memory {
 
     /// Role of pass number `ordinal`, from 0, among the passes with depth, or without, of an image in this frame, by the evidence of
     /// earlier frames.
-    pub(super) fn role(&self, frame: u64, image: &ImageDescription, has_depth: bool, ordinal: usize) -> Role {
+    pub(super) fn role(
+        &self,
+        frame: u64,
+        image: &ImageDescription,
+        has_depth: bool,
+        ordinal: impl FnOnce() -> usize,
+    ) -> Role {
         let roles = match image.swapchain {
             Some(swapchain) => self.of_swapchains.get(&swapchain),
             None => self.images.get(&image.key).map(|image| &image.roles),

@@ -1,8 +1,9 @@
 //! The passes of the last frames in their order: the use of a new image is seen from others of its signature.
 
-use super::{is_in_sequence, merge};
+use super::{SequenceKey, merge, sequence_key};
 use crate::pass_detection::{Event, ImageDescription, ImageKey, Match, Pass, Target, Unmatched};
 use ash::vk;
+use rustc_hash::FxHashMap;
 use std::fmt;
 
 /// Frames that are kept: the verdict on a pass may be known one frame later, and places in the order count once two frames agree.
@@ -12,6 +13,8 @@ const KEPT: usize = 3;
 #[derive(Debug, Default)]
 pub(super) struct PassHistory {
     frames: [Vec<PassRecord>; KEPT],
+    /// Number of passes of each sequence in the newest frame.
+    counts: FxHashMap<SequenceKey, usize>,
 }
 
 /// One pass and its verdict.
@@ -119,11 +122,12 @@ impl PassHistory {
         }
         self.frames.rotate_right(1);
         self.frames[0].clear();
+        self.counts.clear();
         for pass in passes {
             if let Some(shape) = PassSignature::new(pass, description) {
                 let image = pass.colors.first().map(|target| target.image);
-                let is_before = |role: &&PassRecord| is_in_sequence(&role.pass, pass);
-                let ordinal = self.frames[0].iter().filter(is_before).count();
+                let count = self.counts.entry(sequence_key(pass)).or_default();
+                let ordinal = std::mem::replace(count, *count + 1);
                 let is_young = image.is_some_and(&is_young);
                 let outcome = Err(Unmatched::New);
                 self.frames[0].push(PassRecord { shape, pass: pass.clone(), ordinal, is_young, outcome });

@@ -50,8 +50,9 @@ impl Roles {
         self.with_depth.at.max(self.without_depth.at)
     }
 
-    /// Role of pass number `ordinal`, from 0, among the passes with depth, or without.
-    pub(super) fn of(&self, frame: u64, has_depth: bool, ordinal: usize) -> Role {
+    /// Role of pass number `ordinal`, from 0, among the passes with depth, or without. That number is asked for only where it matters: to
+    /// count the passes before takes longer than all else.
+    pub(super) fn of(&self, frame: u64, has_depth: bool, ordinal: impl FnOnce() -> usize) -> Role {
         let was_textured = self.textured_at.is_some_and(|at| frame < at + HOLD);
         match has_depth {
             true => self.with_depth.of(frame, ordinal, was_textured),
@@ -75,10 +76,11 @@ impl Sequence {
         }
     }
 
-    fn of(&self, frame: u64, ordinal: usize, was_textured: bool) -> Role {
+    fn of(&self, frame: u64, ordinal: impl FnOnce() -> usize, was_textured: bool) -> Role {
         let Some(last) = self.newest.last() else { return Role::Unknown };
+        let is_one = self.newest.iter().all(|other| other == last);
+        let ordinal = if is_one { 0 } else { ordinal() };
         let role = *self.newest.get(ordinal).unwrap_or(last);
-        let is_one = self.newest.iter().all(|other| *other == role);
         let is_steady = self.newest == self.before && frame >= self.same_since + STEADY;
         let is_eye = matches!(role, Role::Eye | Role::FullScreen);
         match is_eye && was_textured && !is_steady {
@@ -105,13 +107,13 @@ mod tests {
     fn passes_are_told_apart_by_their_order_once_it_is_steady() {
         let pooled: &[Role] = &[Role::Texture, Role::Eye, Role::Eye];
         let young = after(&[pooled; 2]);
-        assert_eq!([0, 1].map(|ordinal| young.of(3, true, ordinal)), [Role::Texture, Role::Ambiguous]);
+        assert_eq!([0, 1].map(|ordinal| young.of(3, true, || ordinal)), [Role::Texture, Role::Ambiguous]);
         let steady = after(&[pooled; 8]);
         assert_eq!(
-            [0, 1, 2].map(|ordinal| steady.of(9, true, ordinal)),
+            [0, 1, 2].map(|ordinal| steady.of(9, true, || ordinal)),
             [Role::Texture, Role::Eye, Role::Eye]
         );
-        assert_eq!(steady.of(9, true, 3), Role::Unknown);
+        assert_eq!(steady.of(9, true, || 3), Role::Unknown);
     }
 
     #[test]
@@ -120,15 +122,15 @@ mod tests {
             .map(|frame| if frame % 3 == 0 { &[Role::Texture, Role::Eye][..] } else { &[Role::Eye] })
             .collect();
         for count in 4..20 {
-            assert_ne!(after(&frames[..count]).of(count as u64 + 1, true, 0), Role::Eye, "{count}");
+            assert_ne!(after(&frames[..count]).of(count as u64 + 1, true, || 0), Role::Eye, "{count}");
         }
     }
 
     #[test]
     fn an_image_of_eyes_alone_is_so_at_once() {
-        assert_eq!(after(&[&[Role::Eye]]).of(2, true, 0), Role::Eye);
-        assert_eq!(after(&[&[Role::Eye]]).of(2, true, 3), Role::Eye);
-        assert_eq!(Roles::default().of(1, true, 0), Role::Unknown);
+        assert_eq!(after(&[&[Role::Eye]]).of(2, true, || 0), Role::Eye);
+        assert_eq!(after(&[&[Role::Eye]]).of(2, true, || 3), Role::Eye);
+        assert_eq!(Roles::default().of(1, true, || 0), Role::Unknown);
     }
 
     #[test]
@@ -138,8 +140,8 @@ mod tests {
             let is_scene = frame % 2 == 0;
             roles.add(frame, is_scene, if is_scene { Role::Eye } else { Role::FullScreen });
             if frame > 2 {
-                assert_eq!(roles.of(frame + 1, true, 0), Role::Eye);
-                assert_eq!(roles.of(frame + 1, false, 0), Role::FullScreen);
+                assert_eq!(roles.of(frame + 1, true, || 0), Role::Eye);
+                assert_eq!(roles.of(frame + 1, false, || 0), Role::FullScreen);
             }
         }
     }
