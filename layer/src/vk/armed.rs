@@ -201,6 +201,7 @@ impl Armed {
         self.perception.forget();
         if let Some(functions) = self.functions() {
             self.rings.all().iter().for_each(|ring| ring.poll(functions));
+            self.planned_texels.forget(functions);
         }
     }
 
@@ -254,7 +255,9 @@ impl Armed {
                 ring.destroy(functions);
             }
         }
-        self.planned_texels.destroy(self.functions());
+        if let Some(functions) = self.functions() {
+            self.planned_texels.forget(functions);
+        }
         self.candidates.clear();
         self.timing.clear();
         self.perception.end();

@@ -7,6 +7,7 @@ use super::pre_submit::{Staging, Submitter};
 use crate::gpu::GpuError;
 use crate::gpu::functions::Functions;
 use crate::rate_map::{DeviceRates, RateImage, refine_fresh};
+use parafovea_core::rate::ShadingRate;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Conditions on the texels of a map, beside the plan.
@@ -75,6 +76,10 @@ const RECENT: u64 = 2;
 impl PlannedTexels {
     /// The texels of a shape from a plan.
     pub fn of(&self, shape: &MapShape, plan: &mut Plan, rates: &DeviceRates) -> Texels {
+        // Maps of unknown pictures are written once, at 1x1. While an application loads they are many, and leave no place to the others.
+        if shape.parts.is_empty() {
+            return Arc::new(vec![ShadingRate::R1X1.texel(); shape.image.len()]);
+        }
         let mut state = self.lock();
         let index = state.shapes.iter().position(|known| known.shape == *shape);
         let index = index.unwrap_or_else(|| state.begin(shape.clone()));
@@ -87,36 +92,30 @@ impl PlannedTexels {
         texels
     }
 
-    /// A buffer with texels of [`Self::of`]; to be kept until no copy from it is pending.
+    /// A buffer with texels of [`Self::of`], to be kept until no copy from it is pending; `None` if their shape was not used often.
     ///
     /// # Errors
     ///
     /// The device has no memory left.
-    pub fn staged(&self, texels: &Texels, own: Submitter<'_>) -> Result<Arc<Staging>, GpuError> {
+    pub fn staged(&self, texels: &Texels, own: Submitter<'_>) -> Result<Option<Arc<Staging>>, GpuError> {
         let mut guard = self.lock();
         let state = &mut *guard;
-        let known = state.shapes.iter_mut().rfind(|known| Arc::ptr_eq(&known.texels, texels));
-        if let Some(staged) = known.as_ref().and_then(|known| known.staged.as_ref()) {
-            return Ok(Arc::clone(staged));
+        let returns = |known: &&mut Resolved| known.returns() && Arc::ptr_eq(&known.texels, texels);
+        let Some(known) = state.shapes.iter_mut().rfind(returns) else { return Ok(None) };
+        known.is_staged = true;
+        if known.staged.is_none() {
+            known.staged = stage(&mut state.buffers, texels);
         }
-        let staged = match stage(&mut state.buffers, texels) {
-            Some(staged) => staged,
-            None => {
-                discard_smaller(&mut state.buffers, texels.len(), own.functions);
-                state.buffers.push(Arc::new(Staging::new(own, texels.len())?));
-                stage(&mut state.buffers, texels).ok_or(GpuError::Unsupported("staging memory in use"))?
-            }
-        };
-        for _ in 0..std::mem::take(&mut state.lacking) {
-            if state.buffers.len() < MOST_BUFFERS {
-                state.buffers.push(Arc::new(Staging::new(own, texels.len())?));
-            }
+        let lacking =
+            std::mem::take(&mut state.lacking).min(MOST_BUFFERS.saturating_sub(state.buffers.len()));
+        for _ in 0..lacking.max(usize::from(known.staged.is_none())) {
+            discard(&mut state.buffers, own.functions, |buffer| buffer.len() < texels.len());
+            state.buffers.push(Arc::new(Staging::new(own, texels.len())?));
         }
-        if let Some(known) = known {
-            known.is_staged = true;
-            known.staged = Some(Arc::clone(&staged));
+        if known.staged.is_none() {
+            known.staged = stage(&mut state.buffers, texels);
         }
-        Ok(staged)
+        Ok(known.staged.clone())
     }
 
     /// A new plan came: resolves and stages it for the shapes of the last uploads. Makes no calls of Vulkan.
@@ -124,25 +123,30 @@ impl PlannedTexels {
         let (mut plan, mut state) = (frame.plan(), self.lock());
         state.plans += 1;
         for index in 0..state.shapes.len() {
-            let Resolved { uses, used, .. } = state.shapes[index];
-            if uses >= RETURNS && used + RECENT >= state.plans {
+            let known = &state.shapes[index];
+            if known.returns() && known.used + RECENT >= state.plans {
                 state.resolve(index, &mut plan, rates);
                 state.stage_ahead(index);
             }
         }
     }
 
-    /// Destroys the buffers, before the device is destroyed; no copy from them is pending.
-    pub fn destroy(&self, functions: Option<&Functions>) {
-        let State { buffers, .. } = std::mem::take(&mut *self.lock());
-        let Some(functions) = functions else { return };
-        for buffer in buffers.into_iter().filter_map(Arc::into_inner) {
-            buffer.destroy(&functions.device);
-        }
+    /// Forgets all shapes, and destroys the buffers that no copy is pending from: with the last session, or before the device is destroyed.
+    pub fn forget(&self, functions: &Functions) {
+        let mut state = self.lock();
+        *state = State { buffers: std::mem::take(&mut state.buffers), ..State::default() };
+        discard(&mut state.buffers, functions, |_| true);
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Resolved {
+    /// Whether its shape was used often enough to be expected again.
+    fn returns(&self) -> bool {
+        self.uses >= RETURNS
     }
 }
 
@@ -215,13 +219,12 @@ fn stage(buffers: &mut [Arc<Staging>], texels: &Texels) -> Option<Arc<Staging>> 
     })
 }
 
-/// Destroys buffers with less than `len` bytes that are held nowhere else.
-fn discard_smaller(buffers: &mut Vec<Arc<Staging>>, len: usize, functions: &Functions) {
+/// Destroys buffers that are held nowhere else, if they are not wanted.
+fn discard(buffers: &mut Vec<Arc<Staging>>, functions: &Functions, is_unwanted: impl Fn(&Staging) -> bool) {
     for index in (0..buffers.len()).rev() {
-        if buffers[index].len() < len && Arc::get_mut(&mut buffers[index]).is_some() {
-            let buffer = Arc::into_inner(buffers.swap_remove(index));
+        if is_unwanted(&buffers[index]) && Arc::get_mut(&mut buffers[index]).is_some() {
             // Held nowhere else, so that it is the inner value.
-            if let Some(buffer) = buffer {
+            if let Some(buffer) = Arc::into_inner(buffers.swap_remove(index)) {
                 buffer.destroy(&functions.device);
             }
         }

@@ -94,7 +94,7 @@ impl PreSubmitRing {
     ) -> bool {
         // SAFETY: this thread may use the live queue, as `# Safety` demands; the slot is not pending.
         self.with_slot(own, false, |slot| unsafe {
-            slot.begin(own, Work::Analysis, 0)?;
+            slot.begin(own, Work::Analysis)?;
             record(slot.commands())?;
             slot.submit(own, queue, kept)
         })

@@ -128,6 +128,21 @@ fn stale_and_unfilled_tiles_are_those_of_the_shape() {
     }
 }
 
+/// Shadow maps and textures, as an application loads.
+#[test]
+fn maps_of_unknown_pictures_leave_the_others_in_place() {
+    let (planned, frame) = (PlannedTexels::default(), Frame::default());
+    take(&frame, 1, [R2; 2], [R4; 2]);
+    let scene = of(&planned, &frame, &shape(Eyes::Left, 1));
+    for width in 1..40 {
+        let mut unknown = MapShape { parts: Parts::new(), ..shape(Eyes::Left, 1) };
+        unknown.image.tiles[0] = width;
+        assert_eq!(*of(&planned, &frame, &unknown), vec![0; width as usize]);
+    }
+    assert!(Arc::ptr_eq(&scene, &of(&planned, &frame, &shape(Eyes::Left, 1))));
+    assert_eq!(plans(&planned).len(), 1);
+}
+
 /// As an application that resizes its pictures with each frame.
 #[test]
 fn few_shapes_are_kept() {

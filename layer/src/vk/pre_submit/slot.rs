@@ -124,20 +124,14 @@ impl Slot {
         self.staging.as_ref().map_or(vk::Buffer::null(), Staging::buffer)
     }
 
-    /// Begins to record that work, with staging memory for so many bytes.
+    /// Begins to record that work.
     ///
     /// # Safety
     ///
     /// It is not pending; `own` is of its device.
-    pub unsafe fn begin(&mut self, own: Submitter<'_>, work: Work, len: usize) -> Result<(), GpuError> {
+    pub unsafe fn begin(&mut self, own: Submitter<'_>, work: Work) -> Result<(), GpuError> {
         self.work = work;
         let device = &own.functions.device;
-        if len > 0 && self.staging.as_ref().is_none_or(|staging| staging.len() < len) {
-            if let Some(small) = self.staging.take() {
-                small.destroy(device);
-            }
-            self.staging = Some(Staging::new(own, len.next_multiple_of(STEP))?);
-        }
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: nothing of the pool is pending.
         unsafe {
@@ -151,6 +145,21 @@ impl Slot {
             if own.timing.is_wanted() {
                 self.timer.begin(|| Some(own.functions), self.commands);
             }
+        }
+        Ok(())
+    }
+
+    /// Makes room for so many bytes in the staging memory, which is not recorded yet.
+    ///
+    /// # Errors
+    ///
+    /// The device has no memory left.
+    pub fn reserve(&mut self, own: Submitter<'_>, len: usize) -> Result<(), GpuError> {
+        if len > self.staging.as_ref().map_or(0, Staging::len) {
+            if let Some(small) = self.staging.take() {
+                small.destroy(&own.functions.device);
+            }
+            self.staging = Some(Staging::new(own, len.next_multiple_of(STEP))?);
         }
         Ok(())
     }

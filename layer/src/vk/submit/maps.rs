@@ -11,6 +11,7 @@ use crate::vk::planned_texels::MapShape;
 use crate::vk::pre_submit::{Kept, PreSubmitRing, Slot, Submitter};
 use crate::vk::timing::Work;
 use ash::vk;
+use smallvec::SmallVec;
 use std::any::Any;
 use std::sync::Arc;
 
@@ -48,10 +49,8 @@ unsafe fn fill(
     outdated: Outdated,
     deciding: Option<&Deciding>,
 ) -> Result<(), GpuError> {
-    let staged = outdated.iter().filter(|candidate| !takes_texels(candidate));
-    let len = staged.map(|candidate| candidate.map.staging_len().next_multiple_of(ALIGNMENT)).sum();
     // SAFETY: the slot is not pending, as `# Safety` demands, and its device is that of `own`.
-    unsafe { slot.begin(own, Work::Maps, len) }?;
+    unsafe { slot.begin(own, Work::Maps) }?;
     let mut kept = Kept::new();
     // SAFETY: the slot is recording since the begin above, for this queue, and holds `kept` and the candidates until it has finished.
     let recorded = unsafe { record(slot, armed, (own, queue), (&outdated, deciding), &mut kept) };
@@ -87,29 +86,36 @@ unsafe fn record(
         // SAFETY: the command buffer is recording for the queue of the decision, and `kept` lives until it has finished.
         unsafe { armed.perception.decide(&armed.frame, commands, deciding, &mut slot.words, kept) };
     }
-    let (mut offset, mut has_maps) = (0, false);
+    let mut has_maps = false;
+    let mut unstaged: SmallVec<[(&Candidate, MapShape, Texels); 8]> = SmallVec::new();
     for candidate in outdated {
         // SAFETY: the command buffer is recording for this queue; `kept` and the candidates live until it has finished.
         if unsafe { resolve_on_gpu(armed, candidate, (queue, commands), kept) } {
             continue;
         }
         let Some((shape, texels)) = new_texels(armed, candidate) else { continue };
-        let len = candidate.map.staging_len();
-        let upload = if takes_texels(candidate) {
-            let staged = armed.planned_texels.staged(&texels, own)?;
-            let upload = Upload { commands, staging: staged.buffer(), offset: 0, len };
-            kept.push(staged);
-            upload
-        } else {
-            let write = |bytes: &mut [u8]| candidate.map.stage(&shape.parts, &shape.image, &texels, bytes);
-            slot.stage(offset, len, write);
-            let upload = Upload { commands, staging: slot.buffer(), offset: offset as vk::DeviceSize, len };
-            offset += len.next_multiple_of(ALIGNMENT);
-            upload
-        };
-        // SAFETY: as above; the staging memory holds the map from the offset on, and is kept or that of the slot.
-        unsafe { candidate.map.record_upload(upload) };
         has_maps = true;
+        let staged = if takes_texels(candidate) { armed.planned_texels.staged(&texels, own)? } else { None };
+        let Some(staged) = staged else {
+            unstaged.push((candidate, shape, texels));
+            continue;
+        };
+        let upload =
+            Upload { commands, staging: staged.buffer(), offset: 0, len: candidate.map.staging_len() };
+        kept.push(staged);
+        // SAFETY: as above; the staging memory holds the map, and is kept.
+        unsafe { candidate.map.record_upload(upload) };
+    }
+    let end_of = |candidate: &Candidate| candidate.map.staging_len().next_multiple_of(ALIGNMENT);
+    slot.reserve(own, unstaged.iter().map(|(candidate, ..)| end_of(candidate)).sum())?;
+    let mut offset = 0;
+    for (candidate, MapShape { parts, image, .. }, texels) in &unstaged {
+        let len = candidate.map.staging_len();
+        slot.stage(offset, len, |staging| candidate.map.stage(parts, image, texels, staging));
+        let upload = Upload { commands, staging: slot.buffer(), offset: offset as vk::DeviceSize, len };
+        // SAFETY: as above; the slot's staging memory holds the map from the offset on.
+        unsafe { candidate.map.record_upload(upload) };
+        offset += end_of(candidate);
     }
     Ok(has_maps || !kept.is_empty())
 }
