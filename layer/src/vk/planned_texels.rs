@@ -4,10 +4,10 @@
 use super::candidates::{Parts, Texels};
 use super::frame::{Frame, Plan};
 use super::pre_submit::{Staging, Submitter};
-use crate::gpu::GpuError;
 use crate::gpu::functions::Functions;
 use crate::rate_map::{DeviceRates, RateImage, refine_fresh};
 use parafovea_core::rate::ShadingRate;
+use smallvec::SmallVec;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Conditions on the texels of a map, beside the plan.
@@ -35,12 +35,18 @@ struct State {
     shapes: Vec<Resolved>,
     /// Texels of earlier plans. Maps may still hold some of them; the others are written again.
     former: Vec<Texels>,
-    /// All staging buffers; no copy from one is pending unless it is held elsewhere, too.
-    buffers: Vec<Arc<Staging>>,
-    /// Number of buffers that the thread that plans lacked: it makes no calls of Vulkan.
-    lacking: usize,
+    /// All staging buffers.
+    buffers: Vec<Buffer>,
+    /// Number of buffers that the newest plan lacked ahead, and the most bytes of one.
+    lacking: (usize, usize),
     /// Number of plans that were resolved ahead.
     plans: u64,
+}
+
+/// A staging buffer for queues of one family. No copy from it is pending unless it is held elsewhere, too.
+struct Buffer {
+    family: u32,
+    staging: Arc<Staging>,
 }
 
 /// Texels of a shape.
@@ -51,9 +57,9 @@ struct Resolved {
     texels: Texels,
     /// The texels in a buffer, if they were staged.
     staged: Option<Arc<Staging>>,
-    /// Whether they are staged once they are resolved.
-    is_staged: bool,
-    /// Number of uses, and [`State::plans`] at the last one.
+    /// The family of the queue that their copies were recorded for last.
+    family: Option<u32>,
+    /// Number of plans with uses, and [`State::plans`] at the last one.
     uses: u32,
     used: u64,
 }
@@ -64,10 +70,13 @@ const MOST_SHAPES: usize = 8;
 /// Earlier texels that are kept: those of three images of both eyes, and as many again.
 const MOST_FORMER: usize = 12;
 
-/// Staging buffers that are made ahead of their use at most; a submit makes more where it needs them.
+/// Most staging buffers: the copies of 24 pending submits, and as many ahead as a plan has.
 const MOST_BUFFERS: usize = 32;
 
-/// Uses after which a shape counts as one that returns: an area that changes with each frame does not.
+/// Buffers have multiples of so many bytes.
+const STEP: usize = 64 * 1024;
+
+/// Plans with uses after which a shape counts as one that returns: an area that changes with each frame does not.
 const RETURNS: u32 = 3;
 
 /// Plans since the last use after which a shape is no longer resolved ahead.
@@ -85,43 +94,56 @@ impl PlannedTexels {
         let index = index.unwrap_or_else(|| state.begin(shape.clone()));
         state.resolve(index, plan, rates);
         let (plans, known) = (state.plans, &mut state.shapes[index]);
-        known.uses = known.uses.saturating_add(1);
+        let is_first = known.uses == 0 || known.used != plans;
+        known.uses = known.uses.saturating_add(is_first.into());
         known.used = plans;
         let texels = Arc::clone(&known.texels);
         state.shapes[index..].rotate_left(1);
         texels
     }
 
-    /// A buffer with texels of [`Self::of`], to be kept until no copy from it is pending; `None` if their shape was not used often.
-    ///
-    /// # Errors
-    ///
-    /// The device has no memory left.
-    pub fn staged(&self, texels: &Texels, own: Submitter<'_>) -> Result<Option<Arc<Staging>>, GpuError> {
+    /// A buffer with texels of [`Self::of`], for a copy on a queue of that family; to be kept until the copy has finished. `None` if their
+    /// shape was not used often, or if no buffer can be had.
+    pub fn staged(&self, texels: &Texels, family: u32, own: Submitter<'_>) -> Option<Arc<Staging>> {
+        let (missing, len, unwanted) = {
+            let mut guard = self.lock();
+            let state = &mut *guard;
+            let known = state.shapes.iter_mut().rfind(|known| known.returns_with(texels))?;
+            if known.family.replace(family) != Some(family) {
+                known.staged = None;
+            }
+            if known.staged.is_none() {
+                known.staged = stage(&mut state.buffers, family, texels);
+            }
+            let (lacking, longest) = std::mem::take(&mut state.lacking);
+            let missing = lacking.max(known.staged.is_none().into());
+            if missing == 0 {
+                return known.staged.clone();
+            }
+            let len = longest.max(texels.len());
+            let is_full = state.buffers.len() + missing > MOST_BUFFERS;
+            let unwanted = if is_full { take_unheld(&mut state.buffers, len) } else { Vec::new() };
+            (missing.min(MOST_BUFFERS - state.buffers.len().min(MOST_BUFFERS)), len, unwanted)
+        };
+        // No other thread waits for these calls down.
+        unwanted.into_iter().for_each(|buffer| buffer.destroy(&own.functions.device));
+        let new = || Staging::new(own, len.next_multiple_of(STEP)).ok();
+        let made: SmallVec<[Staging; 2]> = (0..missing).map_while(|_| new()).collect();
         let mut guard = self.lock();
         let state = &mut *guard;
-        let returns = |known: &&mut Resolved| known.returns() && Arc::ptr_eq(&known.texels, texels);
-        let Some(known) = state.shapes.iter_mut().rfind(returns) else { return Ok(None) };
-        known.is_staged = true;
-        if known.staged.is_none() {
-            known.staged = stage(&mut state.buffers, texels);
+        state.buffers.extend(made.into_iter().map(|staging| Buffer { family, staging: Arc::new(staging) }));
+        let known = state.shapes.iter_mut().rfind(|known| known.returns_with(texels))?;
+        if known.staged.is_none() && known.family == Some(family) {
+            known.staged = stage(&mut state.buffers, family, texels);
         }
-        let lacking =
-            std::mem::take(&mut state.lacking).min(MOST_BUFFERS.saturating_sub(state.buffers.len()));
-        for _ in 0..lacking.max(usize::from(known.staged.is_none())) {
-            discard(&mut state.buffers, own.functions, |buffer| buffer.len() < texels.len());
-            state.buffers.push(Arc::new(Staging::new(own, texels.len())?));
-        }
-        if known.staged.is_none() {
-            known.staged = stage(&mut state.buffers, texels);
-        }
-        Ok(known.staged.clone())
+        known.staged.clone().filter(|_| known.family == Some(family))
     }
 
     /// A new plan came: resolves and stages it for the shapes of the last uploads. Makes no calls of Vulkan.
     pub fn resolve_ahead(&self, frame: &Frame, rates: &DeviceRates) {
         let (mut plan, mut state) = (frame.plan(), self.lock());
         state.plans += 1;
+        state.lacking = (0, 0);
         for index in 0..state.shapes.len() {
             let known = &state.shapes[index];
             if known.returns() && known.used + RECENT >= state.plans {
@@ -133,9 +155,12 @@ impl PlannedTexels {
 
     /// Forgets all shapes, and destroys the buffers that no copy is pending from: with the last session, or before the device is destroyed.
     pub fn forget(&self, functions: &Functions) {
-        let mut state = self.lock();
-        *state = State { buffers: std::mem::take(&mut state.buffers), ..State::default() };
-        discard(&mut state.buffers, functions, |_| true);
+        let unheld = {
+            let mut state = self.lock();
+            *state = State { buffers: std::mem::take(&mut state.buffers), ..State::default() };
+            take_unheld(&mut state.buffers, usize::MAX)
+        };
+        unheld.into_iter().for_each(|buffer| buffer.destroy(&functions.device));
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -148,6 +173,11 @@ impl Resolved {
     fn returns(&self) -> bool {
         self.uses >= RETURNS
     }
+
+    /// The same, and whether these are its texels.
+    fn returns_with(&self, texels: &Texels) -> bool {
+        self.returns() && Arc::ptr_eq(&self.texels, texels)
+    }
 }
 
 impl State {
@@ -158,7 +188,7 @@ impl State {
             self.put_back(oldest.texels);
         }
         let texels = self.writable();
-        let new = Resolved { shape, plan: None, texels, staged: None, is_staged: false, uses: 0, used: 0 };
+        let new = Resolved { shape, plan: None, texels, staged: None, family: None, uses: 0, used: 0 };
         self.shapes.push(new);
         self.shapes.len() - 1
     }
@@ -190,9 +220,11 @@ impl State {
     /// Stages the texels of a shape whose texels were staged before, if a buffer is free.
     fn stage_ahead(&mut self, index: usize) {
         let known = &mut self.shapes[index];
-        if known.is_staged && known.staged.is_none() {
-            known.staged = stage(&mut self.buffers, &known.texels);
-            self.lacking += usize::from(known.staged.is_none());
+        let Some(family) = known.family.filter(|_| known.staged.is_none()) else { return };
+        known.staged = stage(&mut self.buffers, family, &known.texels);
+        if known.staged.is_none() {
+            let (lacking, longest) = self.lacking;
+            self.lacking = (lacking + 1, longest.max(known.texels.len()));
         }
     }
 
@@ -210,25 +242,20 @@ impl State {
     }
 }
 
-/// Writes texels to a buffer that is held nowhere else; `None` if no such buffer is large enough.
-fn stage(buffers: &mut [Arc<Staging>], texels: &Texels) -> Option<Arc<Staging>> {
-    buffers.iter_mut().find_map(|buffer| {
-        let bytes = Arc::get_mut(buffer)?.bytes().get_mut(..texels.len())?;
+/// Writes texels to a buffer of a family that is held nowhere else; `None` if no such buffer is large enough.
+fn stage(buffers: &mut [Buffer], family: u32, texels: &Texels) -> Option<Arc<Staging>> {
+    buffers.iter_mut().filter(|buffer| buffer.family == family).find_map(|Buffer { staging, .. }| {
+        let bytes = Arc::get_mut(staging)?.bytes().get_mut(..texels.len())?;
         bytes.copy_from_slice(texels);
-        Some(Arc::clone(buffer))
+        Some(Arc::clone(staging))
     })
 }
 
-/// Destroys buffers that are held nowhere else, if they are not wanted.
-fn discard(buffers: &mut Vec<Arc<Staging>>, functions: &Functions, is_unwanted: impl Fn(&Staging) -> bool) {
-    for index in (0..buffers.len()).rev() {
-        if is_unwanted(&buffers[index]) && Arc::get_mut(&mut buffers[index]).is_some() {
-            // Held nowhere else, so that it is the inner value.
-            if let Some(buffer) = Arc::into_inner(buffers.swap_remove(index)) {
-                buffer.destroy(&functions.device);
-            }
-        }
-    }
+/// Takes out the buffers with less than `len` bytes that are held nowhere else.
+fn take_unheld(buffers: &mut Vec<Buffer>, len: usize) -> Vec<Staging> {
+    let is_unheld =
+        |buffer: &mut Buffer| buffer.staging.len() < len && Arc::get_mut(&mut buffer.staging).is_some();
+    buffers.extract_if(.., is_unheld).filter_map(|buffer| Arc::into_inner(buffer.staging)).collect()
 }
 
 #[cfg(test)]

@@ -218,17 +218,21 @@ impl Content {
     }
 
     /// Takes the source of the next map on the GPU: these texels, resolved over `parts` of `area`. Returns whether it changed; otherwise the map
-    /// has this content already. Texels that do not change stay the same object.
+    /// has this content already.
     pub fn resolve(&mut self, area: [u32; 4], parts: &[Part], texels: &Texels) -> bool {
         let source = &mut self.source;
-        let is_same =
-            source.area == area && source.parts.as_slice() == parts && Arc::ptr_eq(&source.texels, texels);
+        let is_same = source.area == area && source.parts.as_slice() == parts && source.texels == *texels;
         if !is_same {
             source.area = area;
             source.parts = parts.into();
-            source.texels = Arc::clone(texels);
         }
+        source.texels = Arc::clone(texels);
         !(std::mem::replace(&mut self.is_uploaded, true) && is_same)
+    }
+
+    /// Whether the map on the GPU, or on its way, is 1x1 because nothing known is shown.
+    pub fn is_of_nothing(&self) -> bool {
+        self.is_uploaded && self.source.parts.is_empty()
     }
 
     /// The resolved texels did not get to the GPU.

@@ -112,6 +112,20 @@ fn shapes_that_return_are_resolved_ahead_until_they_are_left() {
     assert_eq!(*of(&planned, &frame, &left), [R4, R2], "and resolved when it is used");
 }
 
+/// As five targets of one size, whose area changes with each frame.
+#[test]
+fn many_uses_of_one_plan_are_one() {
+    let (planned, frame) = (PlannedTexels::default(), Frame::default());
+    take(&frame, 1, [R2; 2], [R4; 2]);
+    planned.resolve_ahead(&frame, &rates());
+    for _ in 0..5 {
+        of(&planned, &frame, &shape(Eyes::Left, 1));
+    }
+    take(&frame, 2, [R4; 2], [R4; 2]);
+    planned.resolve_ahead(&frame, &rates());
+    assert_eq!(plans(&planned), [Some(1)]);
+}
+
 #[test]
 fn stale_and_unfilled_tiles_are_those_of_the_shape() {
     let (planned, frame) = (PlannedTexels::default(), Frame::default());

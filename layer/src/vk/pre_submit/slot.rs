@@ -11,6 +11,8 @@ const STEP: usize = 64 * 1024;
 
 /// A command buffer that is used again and again.
 pub struct Slot {
+    /// The family of the queue.
+    family: u32,
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     fence: vk::Fence,
@@ -41,6 +43,7 @@ impl Slot {
         let pool = unsafe { device.create_command_pool(&info, None) }
             .map_err(GpuError::from_call("vkCreateCommandPool"))?;
         let mut slot = Self {
+            family,
             pool,
             commands: vk::CommandBuffer::null(),
             fence: vk::Fence::null(),
@@ -117,6 +120,11 @@ impl Slot {
     /// The command buffer, recording since [`Self::begin`].
     pub fn commands(&self) -> vk::CommandBuffer {
         self.commands
+    }
+
+    /// The family of the queue that its commands are for.
+    pub fn family(&self) -> u32 {
+        self.family
     }
 
     /// The staging memory.

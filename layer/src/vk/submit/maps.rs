@@ -95,8 +95,8 @@ unsafe fn record(
         }
         let Some((shape, texels)) = new_texels(armed, candidate) else { continue };
         has_maps = true;
-        let staged = if takes_texels(candidate) { armed.planned_texels.staged(&texels, own)? } else { None };
-        let Some(staged) = staged else {
+        let staged = || armed.planned_texels.staged(&texels, slot.family(), own);
+        let Some(staged) = takes_texels(candidate).then(staged).flatten() else {
             unstaged.push((candidate, shape, texels));
             continue;
         };
@@ -177,9 +177,13 @@ fn new_texels(armed: &Armed, candidate: &Candidate) -> Option<(MapShape, Texels)
     let skips_stale_tiles = candidate.map.skips_stale_tiles();
     let shape = MapShape { image, parts, skips_stale_tiles, is_unfilled };
     let mut content = candidate.content();
+    let was_of_nothing = content.is_of_nothing();
     let texels = {
         let mut plan = armed.frame.plan();
         content.uploaded(plan.serial(), &shape.parts, plan.stale());
+        if was_of_nothing && shape.parts.is_empty() {
+            return None;
+        }
         armed.planned_texels.of(&shape, &mut plan, &armed.offered_rates)
     };
     content.resolve(shape.image.area, &shape.parts, &texels).then_some((shape, texels))

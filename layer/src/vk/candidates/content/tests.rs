@@ -171,12 +171,16 @@ fn an_unchanged_map_is_not_uploaded() {
     let (half, area) = ([part([0.0, 0.0, 0.5, 1.0])], [0, 0, 50, 50]);
     assert!(content.resolve(AREA, &full(), &some));
     assert!(!content.resolve(AREA, &full(), &some));
+    assert!(!content.resolve(AREA, &full(), &Arc::new(some.to_vec())), "another object");
     assert_eq!(content.texels(), *some);
     assert!(content.resolve(AREA, &full(), &others), "other texels");
     assert!(content.resolve(AREA, &half, &others), "other pictures");
     assert!(content.resolve(area, &half, &others), "another area");
     content.lose();
     assert!(content.resolve(area, &half, &others), "it never got there");
+    assert!(!content.is_of_nothing() && content.resolve(area, &[], &some) && content.is_of_nothing());
+    content.lose();
+    assert!(!content.is_of_nothing());
 }
 
 /// As in a device that is out of memory for one submit.
