@@ -16,6 +16,8 @@ pub use awaited::Awaited;
 pub use log::Log;
 pub use map_content::MapContent;
 pub use plan::Plan;
+#[cfg(test)]
+pub use plan::tests::plan_of_two_tiles;
 
 use super::objects::Objects;
 use crate::link::{PlanRecord, ShownViewRecord};

@@ -1,5 +1,5 @@
-//! The plan's rates as texels of maps. Maps of one shape share them: those of the images of a swapchain, for one. The thread that plans
-//! resolves and stages them ahead of the submit that uploads them, for the shapes of the last uploads.
+//! The plan's rates as texels of maps, shared by maps of one shape, such as the images of a swapchain. The planning thread resolves and stages
+//! them ahead of the submit, for the shapes of the last uploads.
 
 use super::candidates::{Parts, Texels};
 use super::frame::{Frame, Plan};
@@ -67,7 +67,7 @@ struct Resolved {
 /// Shapes that are kept: two eyes, in two sizes, for two kinds of passes.
 const MOST_SHAPES: usize = 8;
 
-/// Earlier texels that are kept: those of three images of both eyes, and as many again.
+/// Earlier texels in memory: twice three images of both eyes.
 const MOST_FORMER: usize = 12;
 
 /// Most staging buffers: the copies of 24 pending submits, and as many ahead as a plan has.

@@ -132,12 +132,13 @@ impl Decision {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::pass_detection::{Eyes, Orientation};
     use parafovea_core::rate::ShadingRate;
 
-    fn record(serial: u64) -> PlanRecord {
+    /// A plan of two tiles for each eye, without rates.
+    pub fn plan_of_two_tiles(serial: u64) -> PlanRecord {
         let eye = EyeMapRecord {
             extent: [32, 16],
             texel: [16, 16],
@@ -166,14 +167,14 @@ mod tests {
             texels.clone()
         };
         assert_eq!(resolved(&mut plan, &[part(Eyes::Left)]), [0, 0], "before the first");
-        plan.take(&record(2), [&[r2, r4], &[r4, r4]]);
+        plan.take(&plan_of_two_tiles(2), [&[r2, r4], &[r4, r4]]);
         for serial in [1, 2] {
-            plan.take(&record(serial), [&[0, 0], &[0, 0]]);
+            plan.take(&plan_of_two_tiles(serial), [&[0, 0], &[0, 0]]);
         }
         assert_eq!(resolved(&mut plan, &[part(Eyes::Left)]), [r2, r4]);
         assert_eq!(resolved(&mut plan, &[part(Eyes::Right)]), [r4, r4]);
         assert_eq!(resolved(&mut plan, &[]), [0, 0]);
-        plan.take(&record(3), [&[r4], &[r4, r4]]);
+        plan.take(&plan_of_two_tiles(3), [&[r4], &[r4, r4]]);
         assert_eq!(resolved(&mut plan, &[part(Eyes::Left)]), [0, 0], "a plan that makes no sense is 1x1");
     }
 }

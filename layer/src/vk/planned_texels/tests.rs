@@ -1,6 +1,6 @@
 use super::*;
-use crate::link::{EyeMapRecord, PlanRecord};
 use crate::pass_detection::{Eyes, Orientation, Part};
+use crate::vk::frame::plan_of_two_tiles;
 use parafovea_core::rate::ShadingRate;
 use parafovea_core::reuse::STALE;
 
@@ -13,18 +13,7 @@ fn rates() -> DeviceRates {
 
 /// A plan of two tiles for each eye.
 fn take(frame: &Frame, serial: u64, left: [u8; 2], right: [u8; 2]) {
-    let eye = EyeMapRecord {
-        extent: [32, 16],
-        texel: [16, 16],
-        tiles: [2, 1],
-        rates: std::ptr::null(),
-        is_decided: 0,
-        is_judged: 0,
-        fixed: bytemuck::Zeroable::zeroed(),
-        judged: bytemuck::Zeroable::zeroed(),
-        orientation: [0.0, 0.0, 0.0, 1.0],
-    };
-    frame.set_plan(&PlanRecord { serial, eyes: [eye; 2] }, [&left, &right]);
+    frame.set_plan(&plan_of_two_tiles(serial), [&left, &right]);
 }
 
 /// An image of so many texels a tile and axis, of the whole picture of an eye.
@@ -47,7 +36,7 @@ fn of(planned: &PlannedTexels, frame: &Frame, shape: &MapShape) -> Texels {
     planned.of(shape, &mut frame.plan(), &rates())
 }
 
-/// Plans that are resolved already of the known shapes, those of the last uploads last.
+/// Numbers of the resolved plans by shape, the last use last.
 fn plans(planned: &PlannedTexels) -> Vec<Option<u64>> {
     planned.lock().shapes.iter().map(|known| known.plan).collect()
 }

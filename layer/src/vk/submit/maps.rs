@@ -106,8 +106,8 @@ unsafe fn record(
         // SAFETY: as above; the staging memory holds the map, and is kept.
         unsafe { candidate.map.record_upload(upload) };
     }
-    let end_of = |candidate: &Candidate| candidate.map.staging_len().next_multiple_of(ALIGNMENT);
-    slot.reserve(own, unstaged.iter().map(|(candidate, ..)| end_of(candidate)).sum())?;
+    let padded_len = |candidate: &Candidate| candidate.map.staging_len().next_multiple_of(ALIGNMENT);
+    slot.reserve(own, unstaged.iter().map(|(candidate, ..)| padded_len(candidate)).sum())?;
     let mut offset = 0;
     for (candidate, MapShape { parts, image, .. }, texels) in &unstaged {
         let len = candidate.map.staging_len();
@@ -115,7 +115,7 @@ unsafe fn record(
         let upload = Upload { commands, staging: slot.buffer(), offset: offset as vk::DeviceSize, len };
         // SAFETY: as above; the slot's staging memory holds the map from the offset on.
         unsafe { candidate.map.record_upload(upload) };
-        offset += end_of(candidate);
+        offset += padded_len(candidate);
     }
     Ok(has_maps || !kept.is_empty())
 }
