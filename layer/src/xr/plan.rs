@@ -7,39 +7,35 @@
 //! call that needs it: the submit of a pass with a map, or xrEndFrame.
 
 mod seen;
+mod settings;
 mod sleep;
+mod status;
 mod thread;
 mod views;
 mod work;
 
 pub use sleep::fall_asleep;
+pub use status::{report_unseen, status};
 pub use views::{head_in_layer, locate_views, views_shown};
 pub use work::PlanWork;
 
 use super::frame::{History, SortedTiles};
-use super::offer::SessionOffer;
-use super::session::{Active, Health, Session};
-use super::swapchain;
+use super::session::{Active, Session};
 use super::vulkan_device::{FrameReport, VulkanDevice};
 use crate::abi::cpu_time::process_cpu_ns;
-use crate::config::{Config, ConfigSnapshot, PassRules, RatesBackend, debug_view, gate_modes, wants_reuse};
+use crate::config::{Config, ConfigSnapshot, gate_modes, wants_reuse};
 use crate::inputs::audio::AudioInput;
-use crate::link::{
-    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
-};
 use crate::pass_detection::Feedback;
 use crate::planner::{Benefit, Clock, EndedFrame, SessionPlanner, View};
-use crate::status::{
-    Known, Quiet, StatusSnapshot, Topic, all_decisions, decided, decision_count, why_unseen,
-};
+use crate::status::{Quiet, Topic, decided};
 use openxr_sys as xr;
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::{GateMode, Techniques};
 use seen::SeenFrames;
+use settings::VulkanSettings;
 use sleep::Sleep;
 use smallvec::SmallVec;
-use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thread::PlanThread;
@@ -237,67 +233,6 @@ impl SessionPlan {
     pub fn keep_pictures(&self, are_kept: bool) {
         self.keeps_pictures.store(are_kept, Ordering::Relaxed);
     }
-
-    /// Sends the Vulkan half the settings of the configuration and of the gates if they are new.
-    pub fn notify_settings(&self, active: &Active, config: &Config) {
-        let (techniques, wants_costs) = {
-            let mut benefit = self.benefit();
-            benefit.set_mode(self.gate_modes(config));
-            (benefit.is_on(), benefit.wants_costs())
-        };
-        let is_running = self.is_running.load(Ordering::Relaxed);
-        let techniques = if self.has_failed() || !is_running { Techniques::default() } else { techniques };
-        let wanted = VulkanSettings::new(config, techniques, wants_costs && is_running);
-        self.planner().set_techniques(wanted.techniques, wants_costs);
-        let is_changed = {
-            let mut sent_settings = self.sent_settings.lock().unwrap_or_else(PoisonError::into_inner);
-            sent_settings.replace(wanted) != Some(wanted)
-        };
-        if is_changed {
-            let passes = wanted.passes.to_string();
-            let record = SettingsRecord {
-                is_on: u32::from(wanted.is_on()),
-                backend: wanted.backend,
-                times_frames: u32::from(wanted.times_frames),
-                passes: passes.as_ptr(),
-                passes_len: passes.len() as u32,
-            };
-            // SAFETY: the record points to `passes`.
-            unsafe {
-                active.device.begin_frame(&FrameStart {
-                    settings: &record,
-                    plan: ptr::null(),
-                    awaited: ptr::null(),
-                })
-            };
-        }
-    }
-}
-
-/// Settings of the Vulkan half.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct VulkanSettings {
-    techniques: Techniques<bool>,
-    times_frames: bool,
-    backend: u32,
-    passes: PassRules,
-}
-
-impl VulkanSettings {
-    fn new(config: &Config, techniques: Techniques<bool>, times_frames: bool) -> Self {
-        let backend = match config.rates.backend {
-            RatesBackend::Auto => BACKEND_ANY,
-            RatesBackend::Attachment => BACKEND_RATE_ATTACHMENT,
-            RatesBackend::Mask => BACKEND_MASK,
-            RatesBackend::Off => BACKEND_NONE,
-        };
-        Self { techniques, times_frames, backend, passes: config.rates.passes }
-    }
-
-    /// Whether passes that are recognised get maps.
-    fn is_on(&self) -> bool {
-        self.techniques.rates || self.techniques.reuse
-    }
 }
 
 /// Takes the end of the frame that is shown at `time`: its cost goes to the gate, and the gate's answer to the Vulkan half at the next xrBeginFrame.
@@ -334,68 +269,6 @@ pub fn frame_ended(
     let line = state.benefit().frame_ended(&frame, &costs);
     if let Some(line) = line {
         tracing::info!("{line}");
-    }
-}
-
-/// The status at the end of a frame, for `parafovea status`.
-pub fn status(
-    session: &Session,
-    active: &Active,
-    config: &ConfigSnapshot,
-    report: &FrameReport,
-) -> StatusSnapshot {
-    let (state, frames) = (&active.plan, report.frame);
-    let mut snapshot = StatusSnapshot {
-        frames,
-        backend: active.device.capabilities.backend,
-        passes_matched: report.passes_with_rates,
-        debug_view: config.debug.view,
-        debug_view_is_asked: config.is_view_asked,
-        debug_view_is_drawn: debug_view(config)
-            .is_some_and(|view| active.debug_views().is_drawn(view, frames)),
-        ..StatusSnapshot::default()
-    };
-    snapshot.memory = active.made_tools().map_or(0, |tools| tools.gpu.memory_used());
-    (snapshot.reuse_memory, snapshot.reuse_refused) = swapchain::history_memory(session.handle);
-    state.planner().write_status(config, &mut snapshot);
-    session.gaze.write_status(&mut snapshot);
-    snapshot.gaze_is_given = session.offer.as_ref().is_some_and(SessionOffer::is_given);
-    let benefit = state.benefit();
-    let Techniques { rates, reuse } = benefit.gates().gates();
-    (snapshot.rates, snapshot.reuse) = (rates.into(), reuse.into());
-    snapshot
-}
-
-/// Reports once, when recognition has settled, why an active session has no visible effect, if it has none. To be called at the end of frames
-/// with a scene: nothing is recognised while an application loads.
-pub fn report_unseen(
-    session: &Session,
-    (active, config): (&Active, &ConfigSnapshot),
-    time: xr::Time,
-    report: &FrameReport,
-) {
-    let state = &active.plan;
-    if state.has_reported_unseen.load(Ordering::Relaxed) {
-        return;
-    }
-    let has_settled = {
-        let mut quiet = state.quiet.lock().unwrap_or_else(PoisonError::into_inner);
-        quiet.frame(time.as_nanos(), decision_count())
-    };
-    if !has_settled || state.has_reported_unseen.swap(true, Ordering::Relaxed) {
-        return;
-    }
-    let known = Known {
-        had_maps: state.benefit().had_maps(),
-        has_own_images: !swapchain::virtual_ones(session.handle).is_empty(),
-        is_healthy: active.health() == Health::Works && !state.has_failed(),
-        decisions: &all_decisions(),
-    };
-    if let Some(why) = why_unseen(config, &status(session, active, config, report), &known) {
-        tracing::info!("{why}");
-        if let Some(reporter) = &session.reporter {
-            reporter.report_unseen(why);
-        }
     }
 }
 

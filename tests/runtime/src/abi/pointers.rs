@@ -67,15 +67,15 @@ impl<'a, T: Structure> Valid<'a, T> {
     pub fn extension<U: Structure>(&self) -> Option<Valid<'a, U>> {
         // SAFETY: `valid` walked this chain; a structure with this `type` has the layout that belongs to it.
         unsafe { links(self.0) }
-            .find(|(ty, _)| *ty == U::TYPE)
-            .map(|(_, link)| Valid(unsafe { &*link.cast() }))
+            .find(|&link| unsafe { (*link).ty } == U::TYPE)
+            .map(|link| Valid(unsafe { &*link.cast() }))
     }
 
     /// Types of the chain that do not extend this structure: the specification has runtimes skip them.
     pub fn unexpected(&self) -> Vec<xr::StructureType> {
         // SAFETY: as above.
-        let links = unsafe { links(self.0) };
-        links.map(|(ty, _)| ty).filter(|ty| !T::EXTENDED_BY.contains(ty)).collect()
+        let types = unsafe { links(self.0) }.map(|link| unsafe { (*link).ty });
+        types.filter(|ty| !T::EXTENDED_BY.contains(ty)).collect()
     }
 
     /// An array that a member of this structure points to.
@@ -113,32 +113,24 @@ unsafe fn valid<'a, T: Structure>(first: *const T) -> Result<Valid<'a, T>, Fault
     let ty = unsafe { (*first.cast::<xr::BaseInStructure>()).ty };
     check_type::<T>(name, ty)?;
     // SAFETY: valid, and its type is right.
-    let (structure, chain) = unsafe { (&*first, links(first)) };
-    check_chain(name, chain.map(|(ty, _)| ty))?;
-    Ok(Valid(structure))
+    unsafe { check_chain(name, first) }?;
+    // SAFETY: as above.
+    Ok(Valid(unsafe { &*first }))
 }
 
-/// Structure that `next` points to.
+/// The structures of a chain after the first one. Each is read only to find the next one.
 ///
 /// # Safety
 /// `first` points to a structure that is valid for as long as the iterator is used.
-unsafe fn links<T: Structure>(
-    first: *const T,
-) -> impl Iterator<Item = (xr::StructureType, *const xr::BaseInStructure)> {
-    // SAFETY: every structure begins with `type` and `next`; `next` is NULL or leads to another one.
-    let mut link = unsafe { (*first.cast::<xr::BaseInStructure>()).next };
+unsafe fn links<T: Structure>(first: *const T) -> impl Iterator<Item = *const xr::BaseInStructure> {
+    let mut last = first.cast::<xr::BaseInStructure>();
     std::iter::from_fn(move || {
-        if link.is_null() {
-            return None;
-        }
-        let this = link;
-        // SAFETY: as above.
-        let ty = unsafe {
-            link = (*this).next;
-            (*this).ty
-        };
-        Some((ty, this))
+        // SAFETY: every structure begins with `type` and `next`; `next` is NULL or leads to another one.
+        let link = unsafe { (*last).next };
+        last = link;
+        (!link.is_null()).then_some(link)
     })
+    .fuse()
     .take(MAX_LINKS + 1)
 }
 
@@ -160,9 +152,17 @@ fn check_type<T: Structure>(name: &str, ty: xr::StructureType) -> Result<(), Fau
     Err(Fault::validation(section::STRUCTURES, format!("{name}: type is {found}, not {wanted}")))
 }
 
-fn check_chain(name: &str, chain: impl Iterator<Item = xr::StructureType>) -> Result<(), Fault> {
+/// # Safety
+/// As for [`links`], but a link may be misaligned.
+unsafe fn check_chain<T: Structure>(name: &str, first: *const T) -> Result<(), Fault> {
     let mut seen = Vec::new();
-    for ty in chain {
+    // SAFETY: no link after a misaligned one is asked for.
+    for link in unsafe { links(first) } {
+        if !link.is_aligned() {
+            return Err(Fault::validation(section::CHAINS, format!("{name}: next is misaligned: {link:p}")));
+        }
+        // SAFETY: aligned and not NULL, hence valid.
+        let ty = unsafe { (*link).ty };
         if seen.contains(&ty) {
             let ty = structure_name(ty);
             return Err(Fault::validation(section::CHAINS, format!("{name}: {ty} is in the chain twice")));
@@ -219,8 +219,8 @@ impl<T: Structure> Out<T> {
         }
         // SAFETY: the type's contract; the links of a chain are distinct objects.
         unsafe { links(self.0.cast_const()) }
-            .find(|(ty, _)| *ty == U::TYPE)
-            .map(|(_, link)| unsafe { &mut *link.cast_mut().cast() })
+            .find(|&link| unsafe { (*link).ty } == U::TYPE)
+            .map(|link| unsafe { &mut *link.cast_mut().cast() })
     }
 
     /// The first `count` structures of an array to fill.

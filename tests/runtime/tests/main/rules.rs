@@ -56,6 +56,11 @@ const RULES: &[(&str, Start, Make, &str, xr::Result, &str)] = &[
         let info = structure!(SessionCreateInfo { next: std::ptr::from_ref(&first).cast::<c_void>() });
         call!(app, CreateSession(app.instance, &info, &mut app.session))
     }, "xrCreateSession", xr::Result::ERROR_VALIDATION_FAILURE, "Next Pointer Chains"),
+    ("misaligned_structure_in_a_chain", Application::started, |app| {
+        let next = std::ptr::without_provenance::<c_void>(0x7265_746e_6920_656d);
+        let info = structure!(SessionCreateInfo { next: next });
+        call!(app, CreateSession(app.instance, &info, &mut app.session))
+    }, "xrCreateSession", xr::Result::ERROR_VALIDATION_FAILURE, "Next Pointer Chains"),
     ("too_small_an_array", Application::ready, |app| {
         let (mut count, mut formats) = (0, [0_i64; 1]);
         call!(app, EnumerateSwapchainFormats(app.session, 1, &mut count, formats.as_mut_ptr()))
