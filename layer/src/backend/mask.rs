@@ -92,7 +92,7 @@ pub struct Masks {
     return_layout: Mutex<Option<Arc<ReturnLayout>>>,
     compatible: Table<vk::RenderPass, loading::Compatible>,
     returning: Table<vk::Pipeline, Arc<EarlyReturnPipeline>>,
-    /// Depth images that a pass was seen to load.
+    /// Images that a pass was seen to load.
     loaded: Table<ImageKey, ()>,
     /// The depth that a pass cleared each depth image to last.
     cleared: Table<ImageKey, f32>,

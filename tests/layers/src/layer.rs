@@ -44,6 +44,12 @@ pub(crate) trait Layer: Sized + Send + Sync + 'static {
 
     /// The application is about to destroy the device.
     fn device_destroyed(&self) {}
+
+    /// The process ends without having destroyed the device. Layers below may have ended before, so that a layer which is used with validation
+    /// calls nothing of Vulkan here.
+    fn device_left(&self) {
+        self.device_destroyed();
+    }
 }
 
 /// The next layer's functions of an instance. They are resolved while it is created: later, the Vulkan loader
@@ -370,7 +376,7 @@ fn report_at_exit<L: Layer>() {
     extern "C" fn report<L: Layer>() {
         let devices =
             std::mem::take(&mut *L::tracked().devices.write().unwrap_or_else(PoisonError::into_inner));
-        devices.values().for_each(|known| known.device_destroyed());
+        devices.values().for_each(|known| known.device_left());
     }
     L::tracked().report_at_exit.call_once(|| {
         // SAFETY: the C library runs the function at the process's end, or before it unloads this library.

@@ -156,6 +156,10 @@ impl Layer for Emulator {
     fn device_destroyed(&self) {
         submit::finish(self);
     }
+
+    fn device_left(&self) {
+        submit::leave(self);
+    }
 }
 
 fn objects(name: &CStr) -> vk::PFN_vkVoidFunction {

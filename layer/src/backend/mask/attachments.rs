@@ -47,6 +47,8 @@ pub struct ColorAttachment {
     pub target: Target,
     /// The format in which it is drawn to.
     pub format: vk::Format,
+    /// Whether it is loaded.
+    pub is_loaded: bool,
     /// Whether it is stored.
     pub is_stored: bool,
     /// The layout in which it is after the pass.
@@ -68,9 +70,13 @@ impl Attachments {
         };
         let colors = pass.colors.iter().chain(&pass.resolves).filter_map(|&index| {
             let (target, attachment) = at(index)?;
-            let is_stored = keeps_drawn(attachment.store);
-            let format = attachment.format;
-            Some(ColorAttachment { target, format, is_stored, layout: attachment.final_layout })
+            Some(ColorAttachment {
+                target,
+                format: attachment.format,
+                is_loaded: attachment.load == vk::AttachmentLoadOp::LOAD,
+                is_stored: keeps_drawn(attachment.store),
+                layout: attachment.final_layout,
+            })
         });
         let depth = pass.depth.and_then(|index| {
             let (target, attachment) = at(index)?;
@@ -140,18 +146,23 @@ impl Attachments {
         })
     }
 
-    /// Facts about the colours, in their order.
+    /// Facts about the colours, in their order; a colour `is_loaded_later` if a pass was seen to load its image.
     ///
     /// # Errors
     ///
     /// One of them is of no live image.
-    pub fn color_facts(&self, objects: &Objects) -> Result<SmallVec<[ColorFacts; 8]>, Unmasked> {
+    pub fn color_facts(
+        &self,
+        objects: &Objects,
+        is_loaded_later: impl Fn(ImageKey) -> bool,
+    ) -> Result<SmallVec<[ColorFacts; 8]>, Unmasked> {
         let facts = self.colors.iter().map(|color| {
             let image = objects.image_of(color.target.image).ok_or(Unmasked::Unknown)?;
             Ok(ColorFacts {
                 format: color.format,
                 samples: vk::SampleCountFlags::from_raw(image.description.samples),
-                is_stored: color.is_stored,
+                is_stored: color.is_stored
+                    && (may_be_read(image.usage) || is_loaded_later(color.target.image)),
                 is_fillable: image.granted.contains(match image.description.samples {
                     1 => crate::kernels::fill::USAGE,
                     _ => crate::kernels::samples::USAGE,
@@ -160,6 +171,12 @@ impl Attachments {
         });
         facts.collect()
     }
+}
+
+/// Whether anything but an attachment that loads it may read an image (Vulkan specification, `VkImageUsageFlagBits`).
+fn may_be_read(usage: vk::ImageUsageFlags) -> bool {
+    use vk::ImageUsageFlags as Usage;
+    !usage.contains(Usage::TRANSIENT_ATTACHMENT) || usage.contains(Usage::INPUT_ATTACHMENT)
 }
 
 /// Whether colour that a pass draws is there after it: NONE leaves it undefined, too (Vulkan specification, `VkAttachmentStoreOp`).
@@ -190,23 +207,24 @@ pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<
         let colors = slice(info.p_color_attachments, info.color_attachment_count);
         (colors, info.p_depth_attachment.as_ref(), info.p_stencil_attachment.as_ref())
     };
-    let one = |view: vk::ImageView, layout, is_stored| {
+    let one = |view: vk::ImageView, layout, [is_loaded, is_stored]: [bool; 2]| {
         let known = objects.view(view)?;
         let mut target = known.target;
         if info.view_mask == 0 {
             target.layers = target.layers.min(info.layer_count);
         }
-        Some(ColorAttachment { target, format: known.format, is_stored, layout })
+        Some(ColorAttachment { target, format: known.format, is_loaded, is_stored, layout })
     };
-    let drawn = colors
-        .iter()
-        .filter_map(|found| one(found.image_view, found.image_layout, keeps_drawn(found.store_op)));
+    let drawn = colors.iter().filter_map(|found| {
+        let is_loaded = found.load_op == vk::AttachmentLoadOp::LOAD;
+        one(found.image_view, found.image_layout, [is_loaded, keeps_drawn(found.store_op)])
+    });
     let resolved = colors.iter().filter(|found| found.resolve_mode != vk::ResolveModeFlags::NONE);
     let resolved =
-        resolved.filter_map(|found| one(found.resolve_image_view, found.resolve_image_layout, true));
+        resolved.filter_map(|found| one(found.resolve_image_view, found.resolve_image_layout, [false, true]));
     let stencil = stencil.filter(|found| found.image_view != vk::ImageView::null());
     let depth = depth.and_then(|found| {
-        let target = one(found.image_view, found.image_layout, false)?.target;
+        let target = one(found.image_view, found.image_layout, [false; 2])?.target;
         let is_one = stencil.is_none_or(|stencil| stencil.image_layout == found.image_layout);
         let within = if is_one { found.image_layout } else { vk::ImageLayout::UNDEFINED };
         Some(DepthAttachment {
@@ -229,7 +247,9 @@ pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<
 mod tests {
     use super::*;
     use crate::pass_detection::PassFacts;
+    use crate::vk::objects::Image;
     use crate::vk::objects::render_passes::Attachment;
+    use ash::vk::Handle;
     use smallvec::smallvec;
 
     /// Samples that are resolved, with this store.
@@ -262,5 +282,30 @@ mod tests {
         let attachments = Attachments::of_render_pass(&pass, &[1, 2, 3].map(target), &[], false);
         let stored: Vec<_> = attachments.colors.iter().map(|color| color.is_stored).collect();
         assert_eq!(stored, [true, false, false]);
+    }
+
+    #[test]
+    fn transient_colour_is_stored_for_passes_that_load_it_and_shaders_that_read_it() {
+        use vk::ImageUsageFlags as Usage;
+        let transient = Usage::COLOR_ATTACHMENT | Usage::TRANSIENT_ATTACHMENT;
+        let is_stored = |usage: Usage, is_loaded_later: bool| {
+            let objects = Objects::default();
+            let info = vk::ImageCreateInfo::default().usage(usage).samples(vk::SampleCountFlags::TYPE_4);
+            let image = Image::created(vk::Image::from_raw(1), &info, usage);
+            objects.add_image(image);
+            let color = ColorAttachment {
+                target: Target { image: image.description.key, level: 0, base_layer: 0, layers: 1 },
+                format: vk::Format::R8G8B8A8_SRGB,
+                is_loaded: false,
+                is_stored: true,
+                layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+            };
+            let attachments = Attachments { depth: None, colors: smallvec![color] };
+            attachments.color_facts(&objects, |_| is_loaded_later).unwrap()[0].is_stored
+        };
+        assert!(!is_stored(transient, false));
+        assert!(is_stored(transient, true));
+        assert!(is_stored(transient | Usage::INPUT_ATTACHMENT, false));
+        assert!(is_stored(Usage::COLOR_ATTACHMENT, false));
     }
 }

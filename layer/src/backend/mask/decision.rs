@@ -144,7 +144,7 @@ impl Masks {
         if !context.restores_compute {
             return Err(Unmasked::ComputeState);
         }
-        let colors = attachments.color_facts(context.objects)?;
+        let colors = attachments.color_facts(context.objects, |image| self.loaded.get(image).is_some())?;
         let (map, method) = match method(&facts(&colors))? {
             MaskMethod::Template(eligible) => self.template(target, attachments, context, eligible)?,
             // Of several layers that are not views, the shader does not know which it draws to.
@@ -161,7 +161,7 @@ impl Masks {
             Unmasked::Failed
         };
         let (mut fills, mut pending) = (SmallVec::new(), SmallVec::new());
-        for (color, facts) in attachments.colors.iter().zip(&colors).filter(|(color, _)| color.is_stored) {
+        for (color, facts) in attachments.colors.iter().zip(&colors).filter(|(_, facts)| facts.is_stored) {
             let size = (map.extent(), layers);
             let part = part(context.objects, color.target, vk::ImageAspectFlags::COLOR, size)?;
             if facts.samples == vk::SampleCountFlags::TYPE_1 {

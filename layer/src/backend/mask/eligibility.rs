@@ -61,7 +61,8 @@ pub struct ColorFacts {
     pub format: vk::Format,
     /// Its samples.
     pub samples: vk::SampleCountFlags,
-    /// Whether it is stored at the end, as resolve targets always are.
+    /// Whether it is stored at the end, as resolve targets always are, and may be read after it: transient colour that no pass was seen to load
+    /// and no shader reads is not.
     pub is_stored: bool,
     /// Whether it has been made to be filled, see [`crate::kernels::fill::USAGE`] and [`crate::kernels::samples::USAGE`].
     pub is_fillable: bool,

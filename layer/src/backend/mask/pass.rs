@@ -16,10 +16,12 @@ impl Masks {
         {
             self.cleared.insert(depth.target.image, depth.clear);
         }
-        if let Some(depth) = attachments.depth.filter(|depth| depth.is_loaded)
-            && self.loaded.get(depth.target.image).is_none()
-        {
-            self.loaded.insert(depth.target.image, ());
+        let depth = attachments.depth.iter().filter(|depth| depth.is_loaded).map(|depth| depth.target);
+        let colors = attachments.colors.iter().filter(|color| color.is_loaded).map(|color| color.target);
+        for target in depth.chain(colors) {
+            if self.loaded.get(target.image).is_none() {
+                self.loaded.insert(target.image, ());
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-//! Four samples a pixel, resolved into the swapchain at the end of the pass.
+//! Four samples a pixel, resolved into the swapchain at the end of the pass, and stored in vain.
 
 use crate::app::{App, EYES, Recorder};
 use crate::gpu::{Depth, ImageSpec, Kind, PassSpec, PipelineSpec};
@@ -11,7 +11,7 @@ use ash::vk;
 
 pub const STYLE: Style = Style {
     name: "msaa-resolve",
-    says: "four samples a pixel, resolved into the swapchain at the end of the pass",
+    says: "four samples a pixel, resolved into the swapchain at the end of the pass, and stored in vain",
     direct: false,
     likeness: Some(6.0),
     can_set_rates: true,
@@ -26,14 +26,16 @@ pub fn four_samples(size: [u32; 2], _: u64) -> Vec<PassTruth> {
     scene.into_iter().map(|pass| pass.samples(4)).collect()
 }
 
-/// The scene with four samples a pixel.
+/// The scene with four samples a pixel, which are stored in vain, or with alpha to coverage discarded.
 pub fn start<'a>(app: &'a App<'a>, shaders: &Shaders, alpha_to_coverage: bool) -> Result<Recorder<'a>> {
     let gpu = app.gpu;
     let transient = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
     let color = gpu.image(&ImageSpec::new(COLOR, app.size).samples(4).usage(transient))?;
     let depth = gpu.image(&ImageSpec::depth(app.size).samples(4))?;
+    // Both are in use: hotham 0.2 stores its transient colour.
+    let samples = if alpha_to_coverage { color.overwritten().discarded() } else { color.overwritten() };
     let eyes = app.eye_passes(Kind::RenderPass, |image| {
-        PassSpec::new(color.overwritten().discarded(), depth.depth_cleared(1.0)).resolved(image.overwritten())
+        PassSpec::new(samples, depth.depth_cleared(1.0)).resolved(image.overwritten())
     })?;
     let cover = |spec: &mut PipelineSpec| {
         // The sky has no holes.
