@@ -26,7 +26,8 @@ pub fn unpack_release() {
 
 /// Unpacks sid's drivers to `target/drivers/sid`, with its loaders, validation and C library: the newest Mesa, and drivers that releases
 /// leave out. Beside them DXVK for Linux programs, with its window library and a compiler of shaders, and Qt
-/// Quick 3D XR. libvulkan-dev is there for vulkaninfo, which loads `libvulkan.so` and would find the machine's own. A failure is printed, and is not an error.
+/// Quick 3D XR. libvulkan-dev is there for vulkaninfo, which loads `libvulkan.so` and would find the machine's
+/// own. A failure is printed, and is not an error.
 fn unpack_sid() {
     let packages = &[
         "libdxvk-d3d11-0",

@@ -51,7 +51,9 @@ impl SessionPlan {
 /// Settings of the Vulkan half.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VulkanSettings {
+    /// The techniques that the gates allow.
     pub techniques: Techniques<bool>,
+    /// Whether frames are timed for the gates.
     pub times_frames: bool,
     backend: u32,
     passes: PassRules,

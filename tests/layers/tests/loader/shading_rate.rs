@@ -100,6 +100,17 @@ fn each_submit_of_a_command_buffer_has_its_own_map() {
     assert_ne!(texels(0), texels(1));
 }
 
+/// At the end of a process, layers below may have ended, so that no map can be waited for.
+#[test]
+fn the_last_pass_of_a_device_that_is_left_has_no_map() {
+    let ended = program(ShadingRateProfile::NvkTuring, "framebuffer left", "").validated().run();
+    let (findings, passes) = lines(&ended);
+    assert_eq!(findings, []);
+    assert_eq!(ended.findings, [""; 0]);
+    assert_eq!(passes.len(), 2);
+    assert!(passes[1].map.is_none());
+}
+
 /// A barrier that is missing around a dispatch, or around the read, shows in validation below, at the layer's copy.
 #[test]
 fn validation_below_sees_missing_barriers() {
