@@ -52,6 +52,11 @@ pub trait RateMap: Any + Send + Sync {
         None
     }
 
+    /// A number that no other object has, if the commands of [`Self::record_upload`] depend on nothing but the map and the source.
+    fn serial(&self) -> Option<u64> {
+        None
+    }
+
     /// Writes the staged bytes of the map, from the texels of all layers, row by row (`ShadingRate::texel`, and `STALE` only where
     /// [`Self::skips_stale_tiles`] holds), which were resolved into `image` for the pictures of `parts`.
     fn stage(&self, _parts: &[Part], _image: &RateImage, texels: &[u8], staging: &mut [u8]) {

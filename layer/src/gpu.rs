@@ -50,7 +50,7 @@ pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, dep
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader};
 pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
-pub(crate) use recordings::{RecordingKey, serial};
+pub(crate) use recordings::{RecordingKey, allocate as allocate_commands, serial};
 pub(crate) use sample_draw::{SampleAspect, SamplePass, SampleTarget, is_left};
 pub use shared::Shared;
 pub(crate) use slots::{Purpose, SlotIndex};

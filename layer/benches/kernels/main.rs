@@ -106,7 +106,8 @@ fn measured(vulkan: &Vulkan, side: u32) -> Vec<(&'static str, f64, f64)> {
     let record_decision = |commands, target: &DecideTarget, params: &DecideParams| {
         // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
         let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
-        decide.record(&commands, target, params, &[]).unwrap();
+        let variant = decide.write(&commands, target, params, &[]).unwrap();
+        decide.record(&commands, target, variant);
     };
 
     let mut times = [const { Vec::new() }; 8];

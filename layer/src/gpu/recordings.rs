@@ -96,7 +96,7 @@ impl Recordings {
 ///
 /// # Safety
 /// As for [`Recordings::find`].
-pub(super) unsafe fn allocate(
+pub(crate) unsafe fn allocate(
     device: &ash::Device,
     record: &DeviceRecord,
     pool: vk::CommandPool,

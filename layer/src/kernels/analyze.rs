@@ -7,7 +7,7 @@ pub use parafovea_core::kernels::analyze::AnalyzeParams;
 use super::compose::stores_unit_range;
 use crate::gpu::{
     AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImageDescription,
-    ImagePart, Owned, OwnedImage, Scope, color_view, sampled_view,
+    ImagePart, Owned, OwnedImage, Scope, color_view, sampled_view, serial,
 };
 use ash::vk;
 use parafovea_core::kernels::analyze::{Shown, level_blocks, levels_extent};
@@ -171,6 +171,14 @@ pub struct AnalyzeTarget {
     params: AnalyzeParams,
     picture: ImagePart,
     is_unit: bool,
+    serial: u64,
+}
+
+impl AnalyzeTarget {
+    /// A number that no other object has ([`crate::gpu::serial`]).
+    pub fn serial(&self) -> u64 {
+        self.serial
+    }
 }
 
 /// A picture to analyse.
@@ -263,6 +271,7 @@ impl Analyze {
             params: *params,
             picture,
             is_unit: stores_unit_range(format),
+            serial: serial(),
         })
     }
 

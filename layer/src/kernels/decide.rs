@@ -6,7 +6,7 @@ pub use parafovea_core::kernels::decide::DecideParams;
 use super::analyze::{ViewTiles, rate_row_bytes};
 use crate::gpu::{
     AppCommands, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, READS_OF_RESULTS,
-    Scope,
+    Scope, serial,
 };
 use ash::vk;
 use parafovea_core::perception::csf::Stimulus;
@@ -45,6 +45,7 @@ pub struct DecideTarget {
     stale: DeviceBuffer,
     _memory: DeviceBuffer,
     tiles: Arc<ViewTiles>,
+    serial: u64,
 }
 
 impl Decide {
@@ -84,40 +85,72 @@ impl Decide {
         let (contrast, rates) = (tiles.contrast(), tiles.rates());
         let bound = [params.handle(), contrast, self.foveal.handle(), memory.handle(), rates, stale.handle()];
         let set = ComputeSet::of_buffers(&self.layout, &bound)?;
-        Ok(DecideTarget { set, params, stale, _memory: memory, tiles: Arc::clone(tiles) })
+        Ok(DecideTarget { set, params, stale, _memory: memory, tiles: Arc::clone(tiles), serial: serial() })
     }
 
-    /// Records the decision on the tiles of `target` without its `stale` ones ([`parafovea_core::reuse::StaleTiles::words`]: no word, or
-    /// all words). [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be read by compute shaders.
+    /// Records a write of the parameters of a decision on the tiles of `target` without its `stale` ones
+    /// ([`parafovea_core::reuse::StaleTiles::words`]: no word, or all words), in order with earlier decisions; returns the variant of
+    /// [`Self::record`] that decides by them.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] where `params` or `stale` are of other tiles, or `params` of no kind; then nothing is recorded.
-    pub fn record(
+    pub fn write(
         &self,
         commands: &AppCommands,
         target: &DecideTarget,
         params: &DecideParams,
         stale: &[u32],
-    ) -> Result<(), GpuError> {
-        let [columns, rows] = target.tiles.tiles();
+    ) -> Result<DecideVariant, GpuError> {
+        let tiles = target.tiles.tiles();
         let has_stale = !stale.is_empty();
-        if params.tiles != [columns, rows] || (has_stale && stale.len() != stale_words([columns, rows])) {
+        if params.tiles != tiles || (has_stale && stale.len() != stale_words(tiles)) {
             return Err(GpuError::Invalid("parameters for other tiles"));
         }
-        let by_sensitivity = self.pipelines.get(params.sensitivity as usize);
-        let [still, turned] = by_sensitivity.ok_or(GpuError::Invalid("an unknown sensitivity"))?;
-        let pipeline = if params.is_turned == 0 { still } else { turned };
+        let sensitivity = params.sensitivity as usize;
+        if sensitivity >= self.pipelines.len() {
+            return Err(GpuError::Invalid("an unknown sensitivity"));
+        }
         let params = DecideParams { has_stale: has_stale.into(), ..*params };
         commands.write_parameters(&target.params, bytemuck::bytes_of(&params));
         for (part, words) in (0u64..).zip(stale.chunks(UPDATE_WORDS)) {
             commands.update_words(target.stale.handle(), part * UPDATE_WORDS as u64 * 4, words);
         }
         commands.memory_barrier(UPDATES, COMPUTES);
+        Ok(DecideVariant { sensitivity, is_turned: params.is_turned != 0 })
+    }
+
+    /// Records the decision by the written parameters. [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be read by compute
+    /// shaders.
+    pub fn record(&self, commands: &AppCommands, target: &DecideTarget, variant: DecideVariant) {
+        let [columns, rows] = target.tiles.tiles();
+        let [still, turned] = &self.pipelines[variant.sensitivity];
+        let pipeline = if variant.is_turned { turned } else { still };
         commands.memory_barrier(READS_OF_RESULTS, COMPUTES);
         let words = rate_row_bytes(columns) / 4 * rows;
         commands.dispatch(&self.layout, pipeline, &target.set, [words.div_ceil(THREADS), 1]);
         commands.memory_barrier(COMPUTES, READS_OF_RESULTS);
-        Ok(())
+    }
+}
+
+/// The shader of a decision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DecideVariant {
+    /// [`DecideParams::sensitivity`], in range.
+    sensitivity: usize,
+    is_turned: bool,
+}
+
+impl DecideVariant {
+    /// A number that no other variant has.
+    pub fn index(self) -> u64 {
+        self.sensitivity as u64 * 2 + u64::from(self.is_turned)
+    }
+}
+
+impl DecideTarget {
+    /// A number that no other object has ([`crate::gpu::serial`]).
+    pub fn serial(&self) -> u64 {
+        self.serial
     }
 }
 

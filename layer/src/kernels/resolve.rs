@@ -5,6 +5,7 @@ pub use parafovea_core::kernels::resolve::{RateMapTable, ResolveParams};
 use super::analyze::ViewTiles;
 use crate::gpu::{
     AppCommands, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, READS_OF_RESULTS,
+    serial,
 };
 use ash::vk;
 use std::sync::Arc;
@@ -31,12 +32,18 @@ pub struct RateMapTexels {
     texels: DeviceBuffer,
     _eyes: [Arc<ViewTiles>; 2],
     len: u32,
+    serial: u64,
 }
 
 impl RateMapTexels {
     /// The texels, a byte each, row by row, layer by layer, valid as long as `self`. Copies and compute shaders may read them.
     pub fn texels(&self) -> vk::Buffer {
         self.texels.handle()
+    }
+
+    /// A number that no other object has ([`crate::gpu::serial`]).
+    pub fn serial(&self) -> u64 {
+        self.serial
     }
 
     /// Number of texels.
@@ -90,7 +97,15 @@ impl Resolve {
         let bound = [params_buffer.handle(), table.handle(), left, right, texels.handle()];
         let set = ComputeSet::of_buffers(&self.layout, &bound)?;
         let eyes = eyes.map(Arc::clone);
-        Ok(RateMapTexels { set, _params: params_buffer, _table: table, texels, _eyes: eyes, len })
+        Ok(RateMapTexels {
+            set,
+            _params: params_buffer,
+            _table: table,
+            texels,
+            _eyes: eyes,
+            len,
+            serial: serial(),
+        })
     }
 
     /// Records that the texels of `target` are resolved from the rates at execution, ready for copies and for reads by compute shaders.

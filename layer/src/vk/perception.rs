@@ -11,12 +11,14 @@ mod eye_buffers;
 mod resolved_map;
 mod tools;
 
-pub use resolved_map::{MapTarget, ResolvedMap, Written};
+pub use resolved_map::{MapTarget, ResolvedMap, ResolvedTargets, Written};
 
 use super::frame::Frame;
-use super::pre_submit::{Kept, PreSubmitRing, Submitter};
-use crate::gpu::{AppCommands, Later};
+use super::pre_submit::{Kept, Outcome, PreSubmitRing, Submission, Submitter};
+use super::timing::Work;
+use crate::gpu::{AppCommands, Later, RecordingKey};
 use crate::kernels::analyze::{AnalyzeTarget, AnalyzedPicture};
+use crate::kernels::decide::DecideVariant;
 use crate::link::{DeviceRecord, EyeBufferRecord, EyeViewRecord};
 use ash::vk;
 use eye::{Analyzed, Eye, EyeTiles, Measured, Parameters, Place};
@@ -68,6 +70,13 @@ pub struct Deciding {
     of: (u64, u64),
 }
 
+/// The decision on the tiles of one eye, whose parameters are written.
+pub struct Decision {
+    tools: Arc<Tools>,
+    tiles: Arc<EyeTiles>,
+    variant: DecideVariant,
+}
+
 /// A picture that is to be analysed on a queue.
 struct Prepared {
     tools: Arc<Tools>,
@@ -79,7 +88,32 @@ struct Prepared {
     analyzed: Analyzed,
 }
 
+impl Decision {
+    /// Key of its commands: serial of its objects, and its variant.
+    pub fn key(&self) -> [u64; 2] {
+        [self.tiles.decide.serial(), self.variant.index()]
+    }
+
+    /// Records it.
+    ///
+    /// # Safety
+    ///
+    /// As for [`Perception::decide`]: of the same queue, after the written parameters.
+    pub unsafe fn record(&self, commands: vk::CommandBuffer) {
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
+        let commands = unsafe { AppCommands::new(&self.tools.gpu, commands) };
+        self.tools.decide.record(&commands, &self.tiles.decide, self.variant);
+    }
+}
+
 impl Prepared {
+    /// Adds the picture to the key of an analysis.
+    fn add_to(&self, key: &mut RecordingKey) {
+        let layout = self.layout.as_raw() as u32;
+        key.push(self.target.serial());
+        key.push(u64::from(layout) << 32 | u64::from(self.analyzed.comparison.min(2)));
+    }
+
     fn picture(&self) -> AnalyzedPicture<'_> {
         AnalyzedPicture { target: &self.target, layout: self.layout, comparison: self.analyzed.comparison }
     }
@@ -100,22 +134,26 @@ impl Perception {
             |(record, layout): &(&EyeBufferRecord, _)| unsafe { self.prepare(own, record, *layout) };
         prepared.extend(pictures.iter().filter_map(prepare));
         let Some(Prepared { tools, queue, ring, .. }) = prepared.first() else { return };
-        let mut kept = Kept::new();
-        for Prepared { target, tiles, .. } in &prepared {
-            kept.push(target.clone());
-            // The target names images of the tiles: the tiles must outlive the work.
-            kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
-        }
-        let record_commands = |commands: vk::CommandBuffer| {
-            // SAFETY: the command buffer is a new one for that queue, which supports graphics; all objects that it uses are kept.
+        let mut key = RecordingKey::new();
+        prepared.iter().for_each(|picture| picture.add_to(&mut key));
+        let record = |commands: vk::CommandBuffer| {
+            // SAFETY: the command buffer is recording for that queue, which supports graphics; all objects that it uses are kept.
             let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
             let pictures: SmallVec<[AnalyzedPicture<'_>; 2]> =
                 prepared.iter().map(Prepared::picture).collect();
             tools.analyze.record(&commands, &pictures);
-            Ok(())
         };
-        // SAFETY: this thread may use the live queue, as `# Safety` demands.
-        if unsafe { ring.run(own, *queue, kept, record_commands) } {
+        let add = |submission: &mut Submission<'_>| {
+            for Prepared { target, tiles, .. } in &prepared {
+                submission.kept.push(target.clone());
+                // The target names images of the tiles: the tiles must outlive the work.
+                submission.kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
+            }
+            submission.repeat(Some(&key), record)
+        };
+        // SAFETY: this thread may use the live queue, as `# Safety` demands, and the objects of the commands are kept.
+        let outcome = unsafe { ring.submit((own, *queue), (Work::Analysis, false), add) };
+        if outcome == Outcome::Submitted {
             let mut state = self.state();
             for Prepared { tiles, analyzed, .. } in &prepared {
                 if let Some(eye) = &mut state.eyes[tiles.eye] {
@@ -210,7 +248,8 @@ impl Perception {
         (!eyes.is_empty()).then_some(Deciding { eyes, of })
     }
 
-    /// Records a decision, ahead of the maps that are resolved from it.
+    /// Records the parameters of a decision, and hands out the decision for each eye, to be recorded after them and ahead of the maps that are
+    /// resolved from it.
     ///
     /// # Safety
     ///
@@ -221,8 +260,8 @@ impl Perception {
         frame: &Frame,
         commands: vk::CommandBuffer,
         deciding: &Deciding,
-        words: &mut Vec<u32>,
-        kept: &mut Kept,
+        (words, kept): (&mut Vec<u32>, &mut Kept),
+        mut each: impl FnMut(Decision),
     ) {
         let Some(tools) = self.made() else { return };
         // SAFETY: the command buffer is recording, as `# Safety` demands.
@@ -231,10 +270,14 @@ impl Perception {
             words.clear();
             words.extend_from_slice(frame.plan().stale()[tiles.eye].words());
             let stale: &[u32] = if words.iter().all(|word| *word == 0) { &[] } else { words };
-            if let Err(error) = tools.decide.record(&commands, &tiles.decide, params, stale) {
-                error.log("rates stay unchanged");
-            }
+            let written = tools.decide.write(&commands, &tiles.decide, params, stale);
             kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
+            match written {
+                Ok(variant) => {
+                    each(Decision { tools: Arc::clone(&tools), tiles: Arc::clone(tiles), variant })
+                }
+                Err(error) => error.log("rates stay unchanged"),
+            }
         }
         self.state().decided = Some(deciding.of);
     }

@@ -1,10 +1,13 @@
 //! Work of ours ahead of the application's submits to a queue: a ring of command buffers that are used again and again.
 
+mod recorded;
 mod slot;
 mod staging;
+mod submission;
 
 pub use slot::Slot;
 pub use staging::Staging;
+pub use submission::Submission;
 
 use super::frame::Frame;
 use super::queue_locks::QueueLocks;
@@ -14,19 +17,17 @@ use crate::gpu::GpuError;
 use crate::gpu::functions::Functions;
 use crate::link::DeviceRecord;
 use ash::vk;
+use recorded::RecordedCommands;
 use smallvec::SmallVec;
 use std::any::Any;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Limit of the layer's pending command buffers for a queue: three frames, each with two submits that draw the scene, and with the analysis and the
 /// overlay of each eye's image. Beyond the limit, images are not analysed, and maps stay unchanged unless they have no content yet or leave
 /// tiles out.
 const MOST_SLOTS: usize = 24;
-
-/// Command buffers that are made before any of them is looked at: the submits of a frame.
-const LEAST_SLOTS: usize = 4;
 
 /// Longest time for which a thread takes slots out, to record and submit commands.
 const LONGEST_TAKEN: Duration = Duration::from_secs(1);
@@ -53,6 +54,19 @@ pub struct Submitter<'a> {
     pub rings: &'a Table<vk::Queue, Arc<PreSubmitRing>>,
 }
 
+/// Outcome of [`PreSubmitRing::submit`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The commands are submitted.
+    Submitted,
+    /// There were no commands.
+    Empty,
+    /// No slot was free.
+    NoRoom,
+    /// A call failed, and nothing was submitted.
+    Failed,
+}
+
 impl Submitter<'_> {
     /// The ring of a queue of that family.
     pub fn ring(&self, queue: vk::Queue, family: u32) -> Arc<PreSubmitRing> {
@@ -66,6 +80,8 @@ impl Submitter<'_> {
 pub struct PreSubmitRing {
     family: u32,
     slots: Mutex<Vec<Slot>>,
+    /// `None` while a thread has taken them out.
+    recorded: Mutex<Option<RecordedCommands>>,
     /// Number of threads that have taken slots out.
     takers: AtomicU32,
     /// Number of the newest submit.
@@ -75,48 +91,27 @@ pub struct PreSubmitRing {
 impl PreSubmitRing {
     /// For a queue of that family.
     pub fn new(family: u32) -> Self {
-        Self { family, ..Self::default() }
+        Self { family, recorded: Mutex::new(Some(RecordedCommands::default())), ..Self::default() }
     }
 
-    /// Submits the commands of `record` if a slot is free, and keeps `kept` until they have finished; never waits. Returns whether they were
-    /// submitted.
+    /// Submits the commands that `add` adds, if a slot is free; never waits. Beyond [`MOST_SLOTS`], only an urgent submit gets a new slot.
     ///
     /// # Safety
     ///
-    /// `queue` is the live queue of this ring, and this thread may use it now; `own` is of its device. The recorded commands may be
-    /// submitted to the queue.
-    pub unsafe fn run(
+    /// `queue` is the live queue of this ring, and this thread may use it now; `own` is of its device. The commands may be submitted to the
+    /// queue, and all their objects are kept by [`Submission::kept`], or valid until they have finished.
+    pub unsafe fn submit(
         &self,
-        own: Submitter<'_>,
-        queue: vk::Queue,
-        kept: Kept,
-        record: impl FnOnce(vk::CommandBuffer) -> Result<(), GpuError>,
-    ) -> bool {
-        // SAFETY: this thread may use the live queue, as `# Safety` demands; the slot is not pending.
-        self.with_slot(own, false, |slot| unsafe {
-            slot.begin(own, Work::Analysis)?;
-            record(slot.commands())?;
-            slot.submit(own, queue, kept)
-        })
-    }
-
-    /// Runs a function with a slot that is not pending; beyond [`MOST_SLOTS`], only an urgent one gets a new slot. Returns whether the function
-    /// succeeded.
-    pub fn with_slot(
-        &self,
-        own: Submitter<'_>,
-        is_urgent: bool,
-        act: impl FnOnce(&mut Slot) -> Result<(), GpuError>,
-    ) -> bool {
+        (own, queue): (Submitter<'_>, vk::Queue),
+        (work, is_urgent): (Work, bool),
+        add: impl FnOnce(&mut Submission<'_>) -> Result<(), GpuError>,
+    ) -> Outcome {
         // Taken out, so that no lock is held across a call down. A queue is one thread's at a time; where that rule is
         // broken, the other thread finds none and makes one.
         let (mut slots, _) = self.take_out();
-        let free_slot = |slots: &[Slot]| slots.iter().position(|slot| slot.pending().is_none());
-        let mut free = free_slot(&slots);
-        if free.is_none() && slots.len() >= LEAST_SLOTS {
-            find_finished(&mut slots, &own.functions.device);
-            free = free_slot(&slots);
-        }
+        let mut recorded = lock(&self.recorded).take();
+        find_finished(&mut slots, &own.functions.device);
+        let mut free = slots.iter().position(|slot| slot.pending().is_none());
         // Read before the slots' timestamps are overwritten.
         own.timing.read();
         if free.is_none() && (is_urgent || slots.len() < MOST_SLOTS) {
@@ -129,24 +124,35 @@ impl PreSubmitRing {
                 Err(error) => error.log("shading rates stay unchanged"),
             }
         }
-        let done = free.and_then(|index| slots.get_mut(index)).is_some_and(|slot| {
+        let outcome = free.and_then(|index| slots.get_mut(index)).map_or(Outcome::NoRoom, |slot| {
             slot.set_number(self.newest.fetch_add(1, Ordering::Relaxed) + 1);
-            act(slot).inspect_err(|error| error.log("shading rates stay unchanged")).is_ok()
+            let mut submission = Submission::new(slot, recorded.as_mut(), own, work);
+            let submitted = add(&mut submission).and_then(|()| {
+                // SAFETY: this thread may use the live queue, as `# Safety` demands.
+                unsafe { submission.submit(queue) }
+            });
+            submitted.unwrap_or_else(|error| {
+                error.log("shading rates stay unchanged");
+                Outcome::Failed
+            })
         });
+        if recorded.is_some() {
+            *lock(&self.recorded) = recorded;
+        }
         self.put_back(slots);
-        done
+        outcome
     }
 
     /// The slots of the ring, and the number of other threads with slots taken out.
     fn take_out(&self) -> (Vec<Slot>, u32) {
-        let mut slots = self.lock();
+        let mut slots = lock(&self.slots);
         let others = self.takers.fetch_add(1, Ordering::Relaxed);
         (std::mem::take(&mut *slots), others)
     }
 
     /// Back with their memory, so that a steady frame asks for none; behind them the slots that another thread has made meanwhile.
     fn put_back(&self, mut slots: Vec<Slot>) {
-        let mut kept = self.lock();
+        let mut kept = lock(&self.slots);
         std::mem::swap(&mut *kept, &mut slots);
         kept.append(&mut slots);
         self.takers.fetch_sub(1, Ordering::Relaxed);
@@ -177,14 +183,17 @@ impl PreSubmitRing {
 
     /// Waits for all, and destroys it, before the device is destroyed.
     pub fn destroy(&self, functions: &Functions) {
-        for slot in std::mem::take(&mut *self.lock()) {
+        for slot in std::mem::take(&mut *lock(&self.slots)) {
             slot.destroy(&functions.device);
         }
+        if let Some(recorded) = lock(&self.recorded).take() {
+            recorded.destroy(&functions.device);
+        }
     }
+}
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Slot>> {
-        self.slots.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Finishes the slots that the GPU is done with. The fences of a queue are signalled in the order of its submits: on a device that keeps up,
@@ -213,6 +222,6 @@ mod tests {
         let slots = Vec::with_capacity(4);
         let memory = slots.as_ptr();
         ring.put_back(slots);
-        assert_eq!(ring.lock().as_ptr(), memory);
+        assert_eq!(lock(&ring.slots).as_ptr(), memory);
     }
 }

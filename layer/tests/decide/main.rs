@@ -179,7 +179,8 @@ impl Both {
             self.vulkan.run(|commands| {
                 // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
                 let commands = unsafe { AppCommands::new(gpu, commands) };
-                self.decide.record(&commands, &target, &params, &[]).unwrap();
+                let variant = self.decide.write(&commands, &target, &params, &[]).unwrap();
+                self.decide.record(&commands, &target, variant);
             });
             let row_bytes = rate_row_bytes(grid[0]);
             let got = self.vulkan.read(tiles.rates(), (row_bytes * grid[1]) as usize);
@@ -322,7 +323,8 @@ fn recording_asks_for_no_memory() {
                 let picture = AnalyzedPicture { target: &analyzed, layout, comparison: same_view };
                 analyze.record(&commands, &[picture]);
             }
-            both.decide.record(&commands, &decided, &params, &stale).unwrap();
+            let variant = both.decide.write(&commands, &decided, &params, &stale).unwrap();
+            both.decide.record(&commands, &decided, variant);
         });
         assert_eq!(count, 0);
     });
@@ -339,7 +341,7 @@ fn other_tiles_are_refused() {
     both.vulkan.run(|commands| {
         // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
         let commands = unsafe { AppCommands::new(&both.vulkan.gpu, commands) };
-        assert!(both.decide.record(&commands, &target, &params, &[]).is_err());
+        assert!(both.decide.write(&commands, &target, &params, &[]).is_err());
     });
     both.vulkan.idle();
     both.vulkan.assert_valid();

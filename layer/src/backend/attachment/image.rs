@@ -69,6 +69,8 @@ pub struct RateImage {
     pub(super) maker: Arc<Maker>,
     /// Whether the pass without depth that was submitted last for its target was the scene, and the one with depth.
     pub(super) is_matched: [AtomicBool; 2],
+    /// A number that no other object has.
+    pub(super) serial: u64,
 }
 
 /// The stage and the access of passes that read rates.
@@ -206,6 +208,10 @@ impl RateMap for Arc<RateImage> {
 
     fn form(&self) -> Option<MapForm> {
         Some(MapForm::Texels)
+    }
+
+    fn serial(&self) -> Option<u64> {
+        Some(self.serial)
     }
 
     unsafe fn record_upload(&self, upload: Upload) {

@@ -4,9 +4,9 @@
 use super::create::Enabled;
 use super::image::{RateImage, RateImageKey, USAGE};
 use super::memory::{Memory, Suballocation};
-use crate::gpu::GpuError;
 use crate::gpu::functions::Functions;
 use crate::gpu::memory::memory_type;
+use crate::gpu::{GpuError, serial};
 use crate::link::DeviceRecord;
 use ash::vk;
 use std::collections::HashMap;
@@ -182,17 +182,17 @@ impl Maker {
             info = info.push_next(&mut list);
         }
         // SAFETY: the device is live, and its rate attachments are of this format and usage.
-        unsafe {
+        let (image, (allocation, view)) = unsafe {
             let image = device.create_image(&info, None).map_err(GpuError::from_call("vkCreateImage"))?;
             let made = self.bind(image).and_then(|allocation| {
                 self.view(image, key.layers).map(|view| (allocation, view)).inspect_err(|_| {
                     self.memory().give_back(allocation);
                 })
             });
-            let (allocation, view) = made.inspect_err(|_| device.destroy_image(image, None))?;
-            let maker = Arc::clone(self);
-            Ok(RateImage { key, view, image, allocation, maker, is_matched: Default::default() })
-        }
+            (image, made.inspect_err(|_| device.destroy_image(image, None))?)
+        };
+        let (maker, is_matched) = (Arc::clone(self), Default::default());
+        Ok(RateImage { key, view, image, allocation, maker, is_matched, serial: serial() })
     }
 
     fn bind(&self, image: vk::Image) -> Result<Suballocation, GpuError> {

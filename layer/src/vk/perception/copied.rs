@@ -4,7 +4,8 @@ use super::Perception;
 use crate::gpu::{AppCommands, Scope};
 use crate::kernels::analyze::rate_row_bytes;
 use crate::link::{RATES_COPIED, RATES_COPY_LEFT_OUT, RATES_OF_PLAN, RatesCopyRecord};
-use crate::vk::pre_submit::{Kept, Submitter};
+use crate::vk::pre_submit::{Outcome, Submission, Submitter};
+use crate::vk::timing::Work;
 use ash::vk;
 use std::any::Any;
 use std::sync::Arc;
@@ -45,18 +46,18 @@ impl Perception {
         let [columns, rows] = record.tiles;
         let size = u64::from(rate_row_bytes(columns)) * u64::from(rows);
         let rates = tiles.view.rates();
-        let mut kept = Kept::new();
-        kept.push(tiles as Arc<dyn Any + Send + Sync>);
-        let copy = |commands: vk::CommandBuffer| {
-            // SAFETY: the command buffer is a new one for that queue; the rates are kept, and the buffer is live and large enough, as `# Safety` demands.
+        let copy = |submission: &mut Submission<'_>| {
+            submission.kept.push(tiles as Arc<dyn Any + Send + Sync>);
+            let commands = submission.commands()?;
+            // SAFETY: the command buffer is recording for that queue; the rates are kept, and the buffer is live and large enough, as `# Safety` demands.
             let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
             commands.memory_barrier(OVERLAY_READS, COPIES);
             commands.memory_barrier(DECIDES, COPIES);
             commands.copy_buffer((rates, 0), (record.buffer, record.offset), size);
             Ok(())
         };
-        // SAFETY: this thread may use the live queue, as `# Safety` demands.
-        let is_submitted = unsafe { ring.run(own, queue, kept, copy) };
-        if is_submitted { RATES_COPIED } else { RATES_COPY_LEFT_OUT }
+        // SAFETY: this thread may use the live queue, as `# Safety` demands, and the objects of the commands are kept.
+        let outcome = unsafe { ring.submit((own, queue), (Work::Analysis, false), copy) };
+        if outcome == Outcome::Submitted { RATES_COPIED } else { RATES_COPY_LEFT_OUT }
     }
 }

@@ -27,11 +27,13 @@ pub struct ResolvedMap {
     skips_stale_tiles: bool,
     eyes: [Arc<EyeTiles>; 2],
     /// `None` if it cannot be resolved.
-    targets: Option<Targets>,
+    targets: Option<ResolvedTargets>,
 }
 
 /// The written buffers of a map.
-struct Targets {
+#[derive(Clone)]
+pub struct ResolvedTargets {
+    tools: Arc<Tools>,
     texels: Arc<RateMapTexels>,
     /// Of a mask, the target that is written from those.
     mask: Option<Arc<MaskTarget>>,
@@ -68,7 +70,7 @@ impl ResolvedMap {
 
     fn new(
         (frame, rates): (&Frame, &DeviceRates),
-        tools: &Tools,
+        tools: &Arc<Tools>,
         place: &MapTarget,
         form: &MapForm,
         shapes: Shapes,
@@ -90,12 +92,12 @@ impl ResolvedMap {
 /// The targets that resolve a map; `None` if an eye that it shows has tiles and none of them are decided.
 fn targets(
     (frame, rates): (&Frame, &DeviceRates),
-    tools: &Tools,
+    tools: &Arc<Tools>,
     place: &MapTarget,
     form: &MapForm,
     shapes: &Shapes,
     eyes: &[Arc<EyeTiles>; 2],
-) -> Result<Option<Targets>, GpuError> {
+) -> Result<Option<ResolvedTargets>, GpuError> {
     let is_own = |(index, eye): (usize, &Arc<EyeTiles>)| {
         let [_, _, tiles] = shapes[index];
         eye.eye == index || tiles.contains(&0)
@@ -112,25 +114,47 @@ fn targets(
             Some(Arc::new(tools.mask.target(Arc::clone(map), &texels, (texel, tiles, layers), &views)?))
         }
     };
-    Ok(Some(Targets { texels, mask }))
+    Ok(Some(ResolvedTargets { tools: Arc::clone(tools), texels, mask }))
 }
 
-impl Perception {
-    /// Records the resolve of a candidate's map from the last decision; nothing is recorded if the plan's own rates hold. `resolved` is the
-    /// state of an earlier call, made again if that was for another map.
+impl ResolvedTargets {
+    /// Serial of the objects in its commands; `None` if the commands depend on anything else.
+    pub fn serial(&self) -> Option<u64> {
+        self.mask.is_none().then(|| self.texels.serial())
+    }
+
+    /// Records the resolve from the last decision.
     ///
     /// # Safety
     ///
-    /// The command buffer is being recorded, outside of a render pass, for that queue; objects added to `kept` live until it has finished.
-    pub unsafe fn resolve(
+    /// The command buffer is being recorded, outside of a render pass, for the queue of the [`MapTarget`]; the objects that
+    /// [`Perception::resolve`] keeps live until it has finished.
+    pub unsafe fn record(&self, commands: vk::CommandBuffer) -> Written {
+        let Self { tools, texels, mask } = self;
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
+        let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
+        tools.resolve.record(&commands, texels);
+        match mask {
+            Some(mask) => {
+                tools.mask.record(&commands, mask);
+                Written::Mask
+            }
+            None => Written::Texels(texels.texels()),
+        }
+    }
+}
+
+impl Perception {
+    /// The targets that resolve a candidate's map from the last decision, whose objects are added to `kept`; `None` if the plan's own rates
+    /// hold. `resolved` is the state of an earlier call, made again if that was for another map.
+    pub fn resolve(
         &self,
         (frame, rates): (&Frame, &DeviceRates),
-        commands: vk::CommandBuffer,
         place: &MapTarget,
         form: &MapForm,
         resolved: &mut Option<ResolvedMap>,
         kept: &mut Kept,
-    ) -> Option<Written> {
+    ) -> Option<ResolvedTargets> {
         if place.parts.is_empty() {
             return None;
         }
@@ -148,16 +172,13 @@ impl Perception {
             *resolved = Some(ResolvedMap::new((frame, rates), &tools, place, form, shapes, eyes));
         }
         let known = resolved.as_ref()?;
+        let targets = known.targets.as_ref()?;
         // The tiles must outlive the work.
         kept.extend(known.eyes.iter().map(|eye| Arc::clone(eye) as Arc<dyn Any + Send + Sync>));
-        let Targets { texels, mask } = known.targets.as_ref()?;
-        // SAFETY: the command buffer is recording, as `# Safety` demands.
-        let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
-        tools.resolve.record(&commands, texels);
-        kept.push(Arc::clone(texels) as Arc<dyn Any + Send + Sync>);
-        let Some(mask) = mask else { return Some(Written::Texels(texels.texels())) };
-        tools.mask.record(&commands, mask);
-        kept.push(Arc::clone(mask) as Arc<dyn Any + Send + Sync>);
-        Some(Written::Mask)
+        kept.push(Arc::clone(&targets.texels) as Arc<dyn Any + Send + Sync>);
+        if let Some(mask) = &targets.mask {
+            kept.push(Arc::clone(mask) as Arc<dyn Any + Send + Sync>);
+        }
+        Some(targets.clone())
     }
 }

@@ -1,8 +1,7 @@
 //! One command buffer of a ring, its fence, and the staging memory that it reads.
 
 use super::{Kept, Staging, Submitter};
-use crate::gpu::functions::init_dispatch;
-use crate::gpu::{GpuError, wait_device, wait_fence};
+use crate::gpu::{GpuError, allocate_commands, wait_device, wait_fence};
 use crate::vk::timing::{Timer, Work};
 use ash::vk;
 
@@ -22,8 +21,6 @@ pub struct Slot {
     /// Objects in use by the command buffer while it is pending.
     kept: Kept,
     timer: Timer,
-    /// The kind of the recorded work.
-    work: Work,
     /// Number of the next submit among those to the queue.
     number: u64,
     /// Number of the last submit, as long as the GPU may work on it.
@@ -51,7 +48,6 @@ impl Slot {
             words: Vec::new(),
             kept: Kept::new(),
             timer: own.timing.own_timer(own.functions, family),
-            work: Work::Maps,
             number: 0,
             pending: None,
         };
@@ -69,17 +65,9 @@ impl Slot {
     ///
     /// As for [`Self::new`].
     unsafe fn make(&mut self, own: Submitter<'_>, device: &ash::Device) -> Result<(), GpuError> {
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.pool)
-            .level(vk::CommandBufferLevel::PRIMARY)
-            .command_buffer_count(1);
         // SAFETY: the device is live, as `# Safety` demands, and the pool one of its own.
         unsafe {
-            let made = device
-                .allocate_command_buffers(&info)
-                .map_err(GpuError::from_call("vkAllocateCommandBuffers"))?;
-            self.commands = made.first().copied().unwrap_or_default();
-            init_dispatch(own.record, self.commands)?;
+            self.commands = allocate_commands(device, own.record, self.pool)?;
             self.fence = device
                 .create_fence(&vk::FenceCreateInfo::default(), None)
                 .map_err(GpuError::from_call("vkCreateFence"))?;
@@ -117,7 +105,7 @@ impl Slot {
         self.kept.clear();
     }
 
-    /// The command buffer, recording since [`Self::begin`].
+    /// The command buffer, recording from [`Self::begin`] on.
     pub fn commands(&self) -> vk::CommandBuffer {
         self.commands
     }
@@ -132,13 +120,17 @@ impl Slot {
         self.staging.as_ref().map_or(vk::Buffer::null(), Staging::buffer)
     }
 
-    /// Begins to record that work.
+    /// Forgets the timestamps of its last submit.
+    pub(super) fn clear_timer(&mut self) {
+        self.timer.clear();
+    }
+
+    /// Begins to record its command buffer.
     ///
     /// # Safety
     ///
     /// It is not pending; `own` is of its device.
-    pub unsafe fn begin(&mut self, own: Submitter<'_>, work: Work) -> Result<(), GpuError> {
-        self.work = work;
+    pub(super) unsafe fn begin(&mut self, own: Submitter<'_>) -> Result<(), GpuError> {
         let device = &own.functions.device;
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: nothing of the pool is pending.
@@ -149,7 +141,6 @@ impl Slot {
             device
                 .begin_command_buffer(self.commands, &info)
                 .map_err(GpuError::from_call("vkBeginCommandBuffer"))?;
-            self.timer.clear();
             if own.timing.is_wanted() {
                 self.timer.begin(|| Some(own.functions), self.commands);
             }
@@ -180,31 +171,35 @@ impl Slot {
         }
     }
 
-    /// Ends the recording and submits it.
+    /// Submits command buffers; if it `has_begun`, its own is among them, and its recording ends.
     ///
     /// # Safety
     ///
-    /// This thread may use the queue now, which is of the pool's family; the slot is recording; `own` is of its device.
-    pub unsafe fn submit(
+    /// This thread may use the queue now, which is of the pool's family; all other command buffers are recorded; `own` is of its device.
+    pub(super) unsafe fn submit(
         &mut self,
-        own: Submitter<'_>,
-        queue: vk::Queue,
+        (own, queue): (Submitter<'_>, vk::Queue),
+        work: Work,
+        (has_begun, commands): (bool, &[vk::CommandBuffer]),
         kept: Kept,
     ) -> Result<(), GpuError> {
         let device = &own.functions.device;
-        let commands = [self.commands];
-        let info = vk::SubmitInfo::default().command_buffers(&commands);
+        let info = vk::SubmitInfo::default().command_buffers(commands);
         // SAFETY: this thread may use the live queue, as `# Safety` demands; the fence is not in use, as the slot is not pending.
         unsafe {
-            self.timer.end(self.commands);
-            device.end_command_buffer(self.commands).map_err(GpuError::from_call("vkEndCommandBuffer"))?;
+            if has_begun {
+                self.timer.end(self.commands);
+                device
+                    .end_command_buffer(self.commands)
+                    .map_err(GpuError::from_call("vkEndCommandBuffer"))?;
+            }
             device.reset_fences(&[self.fence]).map_err(GpuError::from_call("vkResetFences"))?;
             own.locks
                 .with(queue, || (own.submit)(queue, 1, &info, self.fence))
                 .result()
                 .map_err(GpuError::from_call("vkQueueSubmit"))?;
         }
-        own.timing.submitted(&self.timer, own.frame.log().frame(), self.work);
+        own.timing.submitted(&self.timer, own.frame.log().frame(), work);
         self.kept = kept;
         self.pending = Some(self.number);
         Ok(())

@@ -1,8 +1,8 @@
 //! A buffer that the CPU writes and copies read.
 
 use super::Submitter;
-use crate::gpu::GpuError;
 use crate::gpu::memory::memory_type;
+use crate::gpu::{GpuError, serial};
 use ash::vk;
 
 /// A buffer that stays mapped. [`Self::destroy`] ends it; dropped without that, it lives as long as its device.
@@ -11,6 +11,7 @@ pub struct Staging {
     memory: vk::DeviceMemory,
     mapped: *mut u8,
     len: usize,
+    serial: u64,
 }
 
 // SAFETY: the pointer is to memory that stays mapped as long as the value lives, and access to the memory takes `&mut`.
@@ -31,17 +32,17 @@ impl Staging {
             .size(len as vk::DeviceSize)
             .usage(vk::BufferUsageFlags::TRANSFER_SRC)
             .sharing_mode(vk::SharingMode::EXCLUSIVE);
-        // SAFETY: the device is live; the new objects are destroyed where a later step fails.
-        unsafe {
-            let buffer = device.create_buffer(&info, None).map_err(GpuError::from_call("vkCreateBuffer"))?;
-            let mut staging =
-                Self { buffer, memory: vk::DeviceMemory::null(), mapped: std::ptr::null_mut(), len };
-            match staging.bind(own) {
-                Ok(()) => Ok(staging),
-                Err(error) => {
-                    staging.destroy(device);
-                    Err(error)
-                }
+        // SAFETY: the device is live.
+        let buffer =
+            unsafe { device.create_buffer(&info, None) }.map_err(GpuError::from_call("vkCreateBuffer"))?;
+        let (memory, mapped) = (vk::DeviceMemory::null(), std::ptr::null_mut());
+        let mut staging = Self { buffer, memory, mapped, len, serial: serial() };
+        // SAFETY: the buffer is new; where a later step fails, it is destroyed.
+        match unsafe { staging.bind(own) } {
+            Ok(()) => Ok(staging),
+            Err(error) => {
+                staging.destroy(device);
+                Err(error)
             }
         }
     }
@@ -82,6 +83,11 @@ impl Staging {
     /// The buffer.
     pub fn buffer(&self) -> vk::Buffer {
         self.buffer
+    }
+
+    /// A number that no other object has.
+    pub fn serial(&self) -> u64 {
+        self.serial
     }
 
     /// Number of its bytes.

@@ -2,13 +2,13 @@
 
 use super::Outdated;
 use crate::backend::{MapForm, Upload};
-use crate::gpu::GpuError;
+use crate::gpu::{GpuError, RecordingKey};
 use crate::rate_map::RateImage;
 use crate::vk::armed::Armed;
 use crate::vk::candidates::{Candidate, Need, Parts, Texels};
-use crate::vk::perception::{Deciding, MapTarget, Written};
+use crate::vk::perception::{Deciding, Decision, MapTarget, ResolvedTargets, Written};
 use crate::vk::planned_texels::MapShape;
-use crate::vk::pre_submit::{Kept, PreSubmitRing, Slot, Submitter};
+use crate::vk::pre_submit::{Kept, Outcome, PreSubmitRing, Staging, Submission, Submitter};
 use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
@@ -31,93 +31,134 @@ pub unsafe fn submit(
     let is_urgent = outdated.iter().any(|candidate| {
         candidate.need(u64::MAX) == Need::Initialise || candidate.content().has_stale_tiles()
     });
-    // SAFETY: this thread may use the live queue, as `# Safety` demands; the slot is not pending.
-    ring.with_slot(own, is_urgent, |slot| unsafe { fill(slot, armed, own, queue, outdated, deciding) });
-}
-
-/// Records the decision, then for each candidate its map: resolved on the GPU from that decision, or else the plan's texels as a copy from
-/// staging memory; and submits all of it.
-///
-/// # Safety
-///
-/// As for [`submit`], and the slot is not pending.
-unsafe fn fill(
-    slot: &mut Slot,
-    armed: &Armed,
-    own: Submitter<'_>,
-    queue: vk::Queue,
-    outdated: Outdated,
-    deciding: Option<&Deciding>,
-) -> Result<(), GpuError> {
-    // SAFETY: the slot is not pending, as `# Safety` demands, and its device is that of `own`.
-    unsafe { slot.begin(own, Work::Maps) }?;
-    let mut kept = Kept::new();
-    // SAFETY: the slot is recording since the begin above, for this queue, and holds `kept` and the candidates until it has finished.
-    let recorded = unsafe { record(slot, armed, (own, queue), (&outdated, deciding), &mut kept) };
-    let submitted = match recorded {
-        Ok(false) => return Ok(()),
-        Ok(true) => {
-            kept.extend(outdated.iter().map(|candidate| Arc::clone(candidate) as Arc<dyn Any + Send + Sync>));
-            // SAFETY: this thread may use the queue, as `# Safety` demands; the slot is recording since the begin above.
-            unsafe { slot.submit(own, queue, kept) }
-        }
-        Err(error) => Err(error),
+    let add = |submission: &mut Submission<'_>| {
+        add(submission, armed, (own, queue), &outdated, deciding)?;
+        let candidates = outdated.iter().map(|candidate| Arc::clone(candidate) as Arc<dyn Any + Send + Sync>);
+        submission.kept.extend(candidates);
+        Ok(())
     };
-    if submitted.is_err() {
+    // SAFETY: this thread may use the live queue, as `# Safety` demands; the objects of the commands are kept.
+    let outcome = unsafe { ring.submit((own, queue), (Work::Maps, is_urgent), add) };
+    if outcome == Outcome::Failed {
         outdated.iter().for_each(|candidate| candidate.content().upload_failed());
     }
-    submitted
 }
 
-/// Records the decision and the maps. Returns whether anything was recorded.
-///
-/// # Safety
-///
-/// The slot is recording, for the queue, and `kept` and the candidates live until that has finished; `own` is of `armed`.
-unsafe fn record(
-    slot: &mut Slot,
+/// A step of a submit with commands that depend on nothing but their objects and the content of memory.
+enum Step<'a> {
+    /// The decision on the tiles of an eye.
+    Decide(Decision),
+    /// A candidate's map from a decision.
+    Resolve(&'a Candidate, ResolvedTargets),
+    /// A candidate's map from staged texels.
+    Copy(&'a Candidate, Arc<Staging>),
+}
+
+impl Step<'_> {
+    /// Adds the step to a key; `None` if its commands may differ from one time to the next.
+    fn add_to(&self, key: &mut RecordingKey) -> Option<()> {
+        key.extend(match self {
+            Self::Decide(decision) => decision.key(),
+            Self::Resolve(candidate, targets) => [targets.serial()?, candidate.map.serial()?],
+            Self::Copy(candidate, staging) => [staging.serial(), candidate.map.serial()?],
+        });
+        Some(())
+    }
+
+    /// # Safety
+    ///
+    /// The command buffer is recording, outside of a render pass, for the queue of the step; its objects live until it has finished.
+    unsafe fn record(&self, commands: vk::CommandBuffer) {
+        let upload = |candidate: &Candidate, staging| {
+            let upload = Upload { commands, staging, offset: 0, len: candidate.map.staging_len() };
+            // SAFETY: as `# Safety` demands; the buffer holds the texels of the map.
+            unsafe { candidate.map.record_upload(upload) };
+        };
+        match self {
+            // SAFETY: as `# Safety` demands, after the written parameters.
+            Self::Decide(decision) => unsafe { decision.record(commands) },
+            Self::Resolve(candidate, targets) => {
+                // SAFETY: as `# Safety` demands.
+                let written = unsafe { targets.record(commands) };
+                if let Written::Texels(texels) = written {
+                    upload(candidate, texels);
+                }
+            }
+            Self::Copy(candidate, staging) => upload(candidate, staging.buffer()),
+        }
+    }
+}
+
+/// Adds the decision, then for each candidate its map: resolved on the GPU from that decision, or else the plan's texels as a copy from
+/// staging memory.
+fn add(
+    submission: &mut Submission<'_>,
     armed: &Armed,
     (own, queue): (Submitter<'_>, vk::Queue),
-    (outdated, deciding): (&Outdated, Option<&Deciding>),
-    kept: &mut Kept,
-) -> Result<bool, GpuError> {
-    let commands = slot.commands();
+    outdated: &Outdated,
+    deciding: Option<&Deciding>,
+) -> Result<(), GpuError> {
+    let mut steps: SmallVec<[Step<'_>; 8]> = SmallVec::new();
     if let Some(deciding) = deciding {
+        let commands = submission.commands()?;
+        let mut words = std::mem::take(&mut submission.slot().words);
+        let memory = (&mut words, &mut submission.kept);
+        let each = |decision| steps.push(Step::Decide(decision));
         // SAFETY: the command buffer is recording for the queue of the decision, and `kept` lives until it has finished.
-        unsafe { armed.perception.decide(&armed.frame, commands, deciding, &mut slot.words, kept) };
+        unsafe { armed.perception.decide(&armed.frame, commands, deciding, memory, each) };
+        submission.slot().words = words;
     }
-    let mut has_maps = false;
     let mut unstaged: SmallVec<[(&Candidate, MapShape, Texels); 8]> = SmallVec::new();
     for candidate in outdated {
-        // SAFETY: the command buffer is recording for this queue; `kept` and the candidates live until it has finished.
-        if unsafe { resolve_on_gpu(armed, candidate, (queue, commands), kept) } {
+        if let Some(targets) = resolved_targets(armed, candidate, queue, &mut submission.kept) {
+            steps.push(Step::Resolve(candidate, targets));
             continue;
         }
         let Some((shape, texels)) = new_texels(armed, candidate) else { continue };
-        has_maps = true;
-        let staged = || armed.planned_texels.staged(&texels, slot.family(), own);
-        let Some(staged) = takes_texels(candidate).then(staged).flatten() else {
-            unstaged.push((candidate, shape, texels));
-            continue;
-        };
-        let upload =
-            Upload { commands, staging: staged.buffer(), offset: 0, len: candidate.map.staging_len() };
-        kept.push(staged);
-        // SAFETY: as above; the staging memory holds the map, and is kept.
-        unsafe { candidate.map.record_upload(upload) };
+        let family = submission.slot().family();
+        let staged = || armed.planned_texels.staged(&texels, family, own);
+        match takes_texels(candidate).then(staged).flatten() {
+            Some(staged) => {
+                submission.kept.push(staged.clone());
+                steps.push(Step::Copy(candidate, staged));
+            }
+            None => unstaged.push((candidate, shape, texels)),
+        }
     }
+    add_unstaged(submission, own, &unstaged)?;
+    if steps.is_empty() {
+        return Ok(());
+    }
+    let mut key = RecordingKey::new();
+    let is_same = steps.iter().all(|step| step.add_to(&mut key).is_some());
+    // SAFETY: the command buffer is recording for the queue, and all objects are kept, or are the candidates'.
+    let record = |commands| steps.iter().for_each(|step| unsafe { step.record(commands) });
+    submission.repeat(is_same.then_some(&key), record)
+}
+
+/// Adds copies of texels that are staged for this submit alone.
+fn add_unstaged(
+    submission: &mut Submission<'_>,
+    own: Submitter<'_>,
+    unstaged: &[(&Candidate, MapShape, Texels)],
+) -> Result<(), GpuError> {
+    if unstaged.is_empty() {
+        return Ok(());
+    }
+    let commands = submission.commands()?;
     let padded_len = |candidate: &Candidate| candidate.map.staging_len().next_multiple_of(ALIGNMENT);
+    let slot = submission.slot();
     slot.reserve(own, unstaged.iter().map(|(candidate, ..)| padded_len(candidate)).sum())?;
     let mut offset = 0;
-    for (candidate, MapShape { parts, image, .. }, texels) in &unstaged {
+    for (candidate, MapShape { parts, image, .. }, texels) in unstaged {
         let len = candidate.map.staging_len();
         slot.stage(offset, len, |staging| candidate.map.stage(parts, image, texels, staging));
         let upload = Upload { commands, staging: slot.buffer(), offset: offset as vk::DeviceSize, len };
-        // SAFETY: as above; the slot's staging memory holds the map from the offset on.
+        // SAFETY: the command buffer is recording, and the candidate is kept; the slot's staging memory holds the map from the offset on.
         unsafe { candidate.map.record_upload(upload) };
         offset += padded_len(candidate);
     }
-    Ok(has_maps || !kept.is_empty())
+    Ok(())
 }
 
 /// Whether a candidate's map takes texels as they are.
@@ -132,42 +173,30 @@ fn rate_image(candidate: &Candidate) -> (RateImage, Parts) {
     (RateImage { area, texel: size.texel, tiles: size.tiles, layers: size.layers }, parts)
 }
 
-/// Records the resolve of a candidate's map from the GPU's decision; false, and nothing is recorded, where the plan's own rates hold.
-///
-/// # Safety
-///
-/// The command buffer is recording, outside of a render pass, for the queue; `kept` and the candidate live until it has finished.
-unsafe fn resolve_on_gpu(
+/// The targets that resolve a candidate's map from the GPU's decision, kept by `kept`; `None` where the plan's own rates hold.
+fn resolved_targets(
     armed: &Armed,
     candidate: &Candidate,
-    (queue, commands): (vk::Queue, vk::CommandBuffer),
+    queue: vk::Queue,
     kept: &mut Kept,
-) -> bool {
+) -> Option<ResolvedTargets> {
     // Tiles that nothing fills may not be coarse.
     let is_unfilled = candidate.content().is_unfilled();
-    let Some(form) = candidate.map.form().filter(|_| !is_unfilled) else { return false };
+    let form = candidate.map.form().filter(|_| !is_unfilled)?;
     let (image, parts) = rate_image(candidate);
     let skips_stale_tiles = candidate.map.skips_stale_tiles();
     let target = MapTarget { queue, parts: &parts, image: &image, skips_stale_tiles };
     let mut resolved = candidate.take_resolved();
     let plan = (&armed.frame, &armed.offered_rates);
-    // SAFETY: the command buffer is recording, and `kept` lives until it has finished, as `# Safety` demands.
-    let written = unsafe { armed.perception.resolve(plan, commands, &target, &form, &mut resolved, kept) };
+    let targets = armed.perception.resolve(plan, &target, &form, &mut resolved, kept);
     candidate.keep_resolved(resolved);
-    let Some(written) = written else { return false };
-    {
-        let mut content = candidate.content();
-        let plan = armed.frame.plan();
-        content.uploaded(plan.serial(), &parts, plan.stale());
-        // Only the GPU knows the new content.
-        content.lose();
-    }
-    if let Written::Texels(staging) = written {
-        let upload = Upload { commands, staging, offset: 0, len: candidate.map.staging_len() };
-        // SAFETY: as above; the buffer holds the resolved texels, and is kept with them.
-        unsafe { candidate.map.record_upload(upload) };
-    }
-    true
+    let targets = targets?;
+    let mut content = candidate.content();
+    let plan = armed.frame.plan();
+    content.uploaded(plan.serial(), &parts, plan.stale());
+    // Only the GPU knows the new content.
+    content.lose();
+    Some(targets)
 }
 
 /// The plan's texels for a candidate's map, with their shape; `None` where the map holds them already.

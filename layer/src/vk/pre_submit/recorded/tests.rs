@@ -1,0 +1,145 @@
+//! On a device that does nothing but hand out command buffers.
+
+use super::*;
+use ash::vk::Handle;
+use std::cell::Cell;
+use std::ffi::{CStr, c_void};
+
+thread_local! {
+    /// Numbers of allocated and of begun command buffers.
+    static CALLS: Cell<[u64; 2]> = const { Cell::new([0; 2]) };
+}
+
+unsafe extern "system" fn nothing() -> vk::Result {
+    vk::Result::SUCCESS
+}
+
+/// # Safety
+///
+/// `commands` has room for one.
+unsafe extern "system" fn allocate(
+    _: vk::Device,
+    _: *const vk::CommandBufferAllocateInfo<'_>,
+    commands: *mut vk::CommandBuffer,
+) -> vk::Result {
+    let [allocated, begun] = CALLS.get();
+    CALLS.set([allocated + 1, begun]);
+    // SAFETY: as `# Safety` demands.
+    unsafe { *commands = vk::CommandBuffer::from_raw(allocated + 1) };
+    vk::Result::SUCCESS
+}
+
+/// # Safety
+///
+/// None.
+unsafe extern "system" fn begin(
+    _: vk::CommandBuffer,
+    _: *const vk::CommandBufferBeginInfo<'_>,
+) -> vk::Result {
+    let [allocated, begun] = CALLS.get();
+    CALLS.set([allocated, begun + 1]);
+    vk::Result::SUCCESS
+}
+
+unsafe extern "system" fn no_function<T>(_: T, _: *const std::ffi::c_char) -> vk::PFN_vkVoidFunction {
+    None
+}
+
+unsafe extern "system" fn no_data(_: vk::Device, _: *mut c_void) -> vk::Result {
+    vk::Result::SUCCESS
+}
+
+fn device() -> (ash::Device, DeviceRecord) {
+    let function = |name: &CStr| match name {
+        name if name == c"vkAllocateCommandBuffers" => allocate as *const c_void,
+        name if name == c"vkBeginCommandBuffer" => begin as *const c_void,
+        _ => nothing as *const c_void,
+    };
+    let record = DeviceRecord {
+        instance: vk::Instance::null(),
+        physical_device: vk::PhysicalDevice::null(),
+        device: vk::Device::null(),
+        api_version: vk::API_VERSION_1_0,
+        next_get_instance_proc_addr: no_function,
+        next_get_device_proc_addr: no_function,
+        set_device_loader_data: no_data,
+        queue_submit: None,
+        arming: 0,
+        submits_late: 0,
+    };
+    // SAFETY: called with any arguments, `nothing` ignores them, and returns success; the others are of their names.
+    (unsafe { ash::Device::load_with(function, vk::Device::null()) }, record)
+}
+
+/// The command buffer with a key, and whether it was recorded.
+fn find(commands: &mut RecordedCommands, key: u64) -> (Option<Found>, bool) {
+    let (device, record) = device();
+    let recorded = Cell::new(0);
+    let count = |_| recorded.set(recorded.get() + 1);
+    let key = RecordingKey::from_slice(&[key, 0]);
+    let [_, before] = CALLS.get();
+    // SAFETY: the device takes any call.
+    let found = unsafe { commands.find((&device, &record), 0, &key, count) }.unwrap();
+    let [_, begun] = CALLS.get();
+    assert_eq!(begun - before, recorded.get());
+    (found, recorded.get() == 1)
+}
+
+#[test]
+fn commands_with_a_known_key_are_not_recorded() {
+    let mut commands = RecordedCommands::default();
+    let first = find(&mut commands, 1);
+    let other = find(&mut commands, 2);
+    assert!(first.1 && other.1);
+    let again = find(&mut commands, 1);
+    let handle = |found: &(Option<Found>, bool)| found.0.as_ref().unwrap().commands;
+    assert_eq!((handle(&again), again.1), (handle(&first), false), "pending, and submitted again");
+    assert_ne!(handle(&again), handle(&other));
+}
+
+#[test]
+fn the_commands_of_the_oldest_finished_submit_make_room() {
+    let mut commands = RecordedCommands::default();
+    let mut found: Vec<_> = (0..MOST as u64).map(|key| find(&mut commands, key).0.unwrap()).collect();
+    assert!(find(&mut commands, 100).0.is_none(), "all are pending");
+    let finished = found.remove(3).commands;
+    let last = found.pop().unwrap();
+    // The third is used later than the last.
+    let (third, _) = find(&mut commands, 3);
+    drop((third, last));
+    let (new, is_recorded) = find(&mut commands, 100);
+    assert!(is_recorded && new.unwrap().commands != finished);
+    assert!(!find(&mut commands, 3).1);
+    assert!(find(&mut commands, MOST as u64 - 1).1, "its command buffer has another key");
+}
+
+/// Destroying the pool of a pending command buffer is undefined.
+#[test]
+fn pending_commands_are_left() {
+    let mut commands = RecordedCommands::default();
+    let found = find(&mut commands, 1);
+    let (device, _) = device();
+    commands.destroy(&device);
+    drop(found);
+}
+
+#[test]
+fn a_failed_recording_is_repeated() {
+    unsafe extern "system" fn fail(_: vk::CommandBuffer) -> vk::Result {
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY
+    }
+    let function = |name: &CStr| match name {
+        name if name == c"vkAllocateCommandBuffers" => allocate as *const c_void,
+        name if name == c"vkEndCommandBuffer" => fail as *const c_void,
+        _ => nothing as *const c_void,
+    };
+    let mut commands = RecordedCommands::default();
+    let key = RecordingKey::from_slice(&[7, 0]);
+    let (_, record) = device();
+    // SAFETY: as in `device`.
+    let device = unsafe { ash::Device::load_with(function, vk::Device::null()) };
+    // SAFETY: the device takes any call.
+    assert!(unsafe { commands.find((&device, &record), 0, &key, |_| ()) }.is_err());
+    assert!(find(&mut commands, 7).1);
+    assert_eq!(CALLS.get()[0], 1, "in the same command buffer");
+}
