@@ -291,3 +291,15 @@ fn near_content_is_followed_by_its_depth() {
     println!("rendered {shares:.3?}");
     assert!(shares[0] < 0.7 && shares[1] <= 1.05 * shares[0] && shares[2] > 1.3 * shares[1], "{shares:?}");
 }
+
+/// Tone mapping reads the scene by a set that an update template wrote: it is known to read nothing of earlier frames.
+#[test]
+fn passes_with_sets_from_update_templates_allow_it() {
+    let frames = RUN_UP + 12;
+    let arguments = ["--style", "offscreen-tonemap", "--size", "320", "--frames", &frames.to_string()];
+    let tone_mapped = Application::ours("parafovea-zoo", &arguments).unwrap();
+    let run = Run::new(&tone_mapped, &Scenario::new(frames).sized(320, 320));
+    let outcome = finish(run.on(&config("on")).counted(), frames);
+    assert!(!outcome.log.contains("may read images of earlier frames"), "{}", outcome.log);
+    assert!(outcome.log.contains("scene passes of 320x320: masked"), "{}", outcome.log);
+}

@@ -78,6 +78,12 @@ macro_rules! armed_functions {
             update_descriptor_set_with_template: PFN_vkUpdateDescriptorSetWithTemplate =
                 c"vkUpdateDescriptorSetWithTemplate"
                 since API_VERSION_1_1, before c"vkUpdateDescriptorSetWithTemplateKHR" => descriptors::update_with_template;
+            create_descriptor_update_template: PFN_vkCreateDescriptorUpdateTemplate =
+                c"vkCreateDescriptorUpdateTemplate"
+                since API_VERSION_1_1, before c"vkCreateDescriptorUpdateTemplateKHR" => descriptors::create_template;
+            destroy_descriptor_update_template: PFN_vkDestroyDescriptorUpdateTemplate =
+                c"vkDestroyDescriptorUpdateTemplate"
+                since API_VERSION_1_1, before c"vkDestroyDescriptorUpdateTemplateKHR" => descriptors::destroy_template;
             create_pipeline_layout: PFN_vkCreatePipelineLayout = c"vkCreatePipelineLayout" => layouts::create;
             destroy_pipeline_layout: PFN_vkDestroyPipelineLayout = c"vkDestroyPipelineLayout" => layouts::destroy;
             create_query_pool: PFN_vkCreateQueryPool = c"vkCreateQueryPool" => queues::create_query_pool;

@@ -150,6 +150,44 @@ impl Scene {
         Ok(set)
     }
 
+    /// As [`Self::textured`], with the textures written by an update template, as DXVK writes all descriptors.
+    ///
+    /// # Errors
+    /// Errors of vkAllocateDescriptorSets and vkCreateDescriptorUpdateTemplate.
+    pub fn textured_by_template(&self, gpu: &Gpu, textures: &[Image]) -> Result<vk::DescriptorSet> {
+        let set = self.textured(gpu, &[])?;
+        let data: Vec<_> = textures
+            .iter()
+            .map(|texture| {
+                vk::DescriptorImageInfo::default()
+                    .image_view(texture.view)
+                    .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
+            })
+            .collect();
+        let stride = size_of::<vk::DescriptorImageInfo>();
+        let entries: Vec<_> = (0..textures.len())
+            .map(|index| {
+                vk::DescriptorUpdateTemplateEntry::default()
+                    .dst_binding(index as u32 + 1)
+                    .descriptor_count(1)
+                    .descriptor_type(vk::DescriptorType::SAMPLED_IMAGE)
+                    .offset(index * stride)
+                    .stride(stride)
+            })
+            .collect();
+        let info = vk::DescriptorUpdateTemplateCreateInfo::default()
+            .descriptor_update_entries(&entries)
+            .template_type(vk::DescriptorUpdateTemplateType::DESCRIPTOR_SET)
+            .descriptor_set_layout(self.set_layout);
+        // SAFETY: the set is new, so nothing uses it; the views are live, and the data is as long as the entries need.
+        unsafe {
+            let template = gpu.create_descriptor_update_template(&info, None)?;
+            gpu.update_descriptor_set_with_template(set, template, data.as_ptr().cast());
+            gpu.destroy_descriptor_update_template(template, None);
+        }
+        Ok(set)
+    }
+
     /// Gives a set a storage buffer, at binding 6.
     pub fn with_storage(&self, gpu: &Gpu, set: vk::DescriptorSet, buffer: vk::Buffer) {
         let info = [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)];

@@ -145,7 +145,60 @@ pub unsafe extern "system" fn update(
     );
 }
 
-/// `vkUpdateDescriptorSetWithTemplate`, whose data only the template describes.
+/// `vkCreateDescriptorUpdateTemplate`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn create_template(
+    device: vk::Device,
+    info: *const vk::DescriptorUpdateTemplateCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    template: *mut vk::DescriptorUpdateTemplate,
+) -> vk::Result {
+    hook!(
+        "vkCreateDescriptorUpdateTemplate",
+        device::with,
+        create_descriptor_update_template(device, info, allocator, template),
+        |known, next| {
+            let result = next();
+            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                // SAFETY: the pointers are valid, by valid usage, with so many entries; the call has written the template.
+                let (template, entries) = unsafe {
+                    let info = &*info;
+                    (*template, slice(info.p_descriptor_update_entries, info.descriptor_update_entry_count))
+                };
+                armed.objects.descriptors.add_template(template, entries);
+            }
+            result
+        }
+    )
+}
+
+/// `vkDestroyDescriptorUpdateTemplate`.
+///
+/// # Safety
+///
+/// The valid usage of the call.
+pub unsafe extern "system" fn destroy_template(
+    device: vk::Device,
+    template: vk::DescriptorUpdateTemplate,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    hook!(
+        "vkDestroyDescriptorUpdateTemplate",
+        device::with,
+        destroy_descriptor_update_template(device, template, allocator),
+        |known, next| {
+            if let Some(armed) = &known.armed {
+                armed.objects.descriptors.forget_template(template);
+            }
+            next();
+        }
+    );
+}
+
+/// `vkUpdateDescriptorSetWithTemplate`.
 ///
 /// # Safety
 ///
@@ -162,8 +215,12 @@ pub unsafe extern "system" fn update_with_template(
         update_descriptor_set_with_template(device, set, template, data),
         |known, next| {
             next();
-            if let Some(armed) = &known.armed {
-                armed.objects.descriptors.open(set);
+            let Some(armed) = known.armed.as_ref().filter(|armed| !armed.ignores_runtime()) else { return };
+            let descriptors = &armed.objects.descriptors;
+            let Some(template) = descriptors.template(template) else { return descriptors.open(set) };
+            // SAFETY: valid usage demands the data that the template describes.
+            for (at, view) in unsafe { template.views(data) } {
+                descriptors.write(set, at, descriptors.attachment(&armed.objects, view));
             }
         }
     );

@@ -5,6 +5,7 @@
 
 mod allocated;
 mod filter;
+mod template;
 
 use super::{Objects, View};
 use crate::abi::copies::slice;
@@ -18,6 +19,7 @@ use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use template::Template;
 
 /// The descriptor sets of a device.
 #[derive(Default)]
@@ -35,6 +37,7 @@ pub struct Descriptors {
     is_overrun: AtomicBool,
     /// Layouts of sets that are as good as unknown: with long arrays, or written after they were bound.
     open_layouts: Table<vk::DescriptorSetLayout, ()>,
+    templates: Table<vk::DescriptorUpdateTemplate, Arc<Template>>,
     /// All of `sets`, those with attachments, and views of attachments.
     set_filter: Filter,
     image_filter: Filter,
@@ -106,6 +109,25 @@ impl Descriptors {
     /// A layout is destroyed.
     pub fn forget_layout(&self, layout: vk::DescriptorSetLayout) {
         self.open_layouts.remove(layout);
+    }
+
+    /// A template of updates is made of these entries.
+    pub fn add_template(
+        &self,
+        template: vk::DescriptorUpdateTemplate,
+        entries: &[vk::DescriptorUpdateTemplateEntry],
+    ) {
+        self.templates.insert(template, Arc::new(Template::new(entries)));
+    }
+
+    /// A template is destroyed.
+    pub fn forget_template(&self, template: vk::DescriptorUpdateTemplate) {
+        self.templates.remove(template);
+    }
+
+    /// A live template.
+    pub fn template(&self, template: vk::DescriptorUpdateTemplate) -> Option<Arc<Template>> {
+        self.templates.get(template)
     }
 
     /// Sets are made of layouts, in place of sets of the same handles.

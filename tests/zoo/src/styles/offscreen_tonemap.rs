@@ -39,7 +39,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let pipelines = app.scene.pipelines(gpu, &scene.target, &FORWARD)?;
     let spec = PipelineSpec::new(shader!("post", "screen_vs"), shader!("post", "tonemap_fs"), Depth::NONE);
     let tone_map = gpu.pipeline(&spec, app.scene.layout, &eyes[0][0].target)?;
-    let set = app.scene.textured(gpu, &[light])?;
+    let set = app.scene.textured_by_template(gpu, &[light])?;
     Ok(Box::new(move |frame| {
         if let Some(window) = &frame.window {
             app.show(frame, &scene, &pipelines, 0);
