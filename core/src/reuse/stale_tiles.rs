@@ -109,9 +109,17 @@ impl StaleTiles {
         if self.tiles == [0; 2] {
             return self.clone_from(other);
         }
+        if other.is_empty() {
+            return;
+        }
         if (self.extent, self.texel) == (other.extent, other.texel) {
+            let mut added = 0;
             for (word, more) in self.words.iter_mut().zip(&other.words) {
+                added |= more & !*word;
                 *word |= more;
+            }
+            if added == 0 {
+                return;
             }
         } else {
             self.unite_proportionally(other);

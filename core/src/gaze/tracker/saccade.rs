@@ -6,7 +6,7 @@
 
 use super::line_fit::EyeSample;
 use crate::geometry::eccentricity;
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec3, Vec4};
 use std::iter;
 
 /// Samples that are kept, evenly enough over the longest saccade.
@@ -23,7 +23,7 @@ const AMPLITUDE_FACTOR: f32 = 1.145;
 /// Mean amplitude of saccades before anything is known of one, degrees: most natural ones are below 15 (Bahill et al. 1975).
 const USUAL_AMPLITUDE_DEG: f32 = 10.0;
 
-/// Times of departure that are weighed.
+/// Times of departure that are weighed, four in a vector.
 const DEPARTURES: usize = 12;
 
 /// Sum of squared misses, in standard deviations, from which on a course has a likelihood of 0.
@@ -198,7 +198,9 @@ impl SaccadePath {
         let window = UNSEEN_S + 0.95 * shown_s;
         let farthest = gone.iter().map(|(_, angle)| *angle).fold(0.0, f32::max);
         let step = window / (DEPARTURES - 1) as f32;
-        let departures: [f32; DEPARTURES] = std::array::from_fn(|index| step * index as f32 - UNSEEN_S);
+        let departures: [Vec4; DEPARTURES / 4] = std::array::from_fn(|vector| {
+            Vec4::from(std::array::from_fn(|lane| step * (4 * vector + lane) as f32 - UNSEEN_S))
+        });
         let mut likelihoods = [Likelihood::default(); AMPLITUDES];
         let mut amplitude = LEAST_AMPLITUDE_DEG;
         for likelihood in &mut likelihoods {
@@ -213,16 +215,18 @@ impl SaccadePath {
                 amplitude * (-amplitude / USUAL_AMPLITUDE_DEG).exp() / scatter.powi(gone.len() as i32);
             for (pace, share) in PACES {
                 let duration = pace * duration_s(amplitude);
-                // One lane a departure.
-                let mut misses = [0.0f32; DEPARTURES];
+                let mut misses = [Vec4::ZERO; DEPARTURES / 4];
                 for (at, angle) in iter::once(&(0.0, 0.0)).chain(gone) {
                     for (misses, left) in misses.iter_mut().zip(&departures) {
-                        let way = minimum_jerk((at - left) * duration.recip());
-                        let missed = (angle - amplitude * way) * scatter.recip();
+                        let way = minimum_jerk((*at - *left) * duration.recip());
+                        let missed = (*angle - amplitude * way) * scatter.recip();
                         *misses += missed * missed;
                     }
                 }
-                for (misses, left) in misses.into_iter().zip(departures) {
+                let lanes = |vectors: [Vec4; DEPARTURES / 4]| {
+                    vectors.into_iter().flat_map(|vector| vector.to_array())
+                };
+                for (misses, left) in lanes(misses).zip(lanes(departures)) {
                     if misses < MOST_MISSES {
                         likelihood.add(share * usual * (-0.5 * misses).exp(), left, duration);
                     }
@@ -269,7 +273,7 @@ impl Course {
 
     /// Angle from the start, degrees, so many seconds after it.
     fn gone_deg(&self, seconds: f32) -> f32 {
-        self.amplitude_deg * minimum_jerk((seconds - self.departure_s) / self.duration_s)
+        self.amplitude_deg * minimum_jerk(Vec4::splat((seconds - self.departure_s) / self.duration_s)).x
     }
 
     /// Of the median amplitude, from which the least error is to be expected; `None` where none is likely.
@@ -317,7 +321,7 @@ fn axis(from: Vec3, to: Vec3) -> Vec3 {
 }
 
 /// The path of least jerk from 0 to 1 as time goes from 0 to 1.
-fn minimum_jerk(s: f32) -> f32 {
-    let s = s.clamp(0.0, 1.0);
+fn minimum_jerk(s: Vec4) -> Vec4 {
+    let s = s.clamp(Vec4::ZERO, Vec4::ONE);
     s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
 }
