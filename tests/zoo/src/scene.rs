@@ -150,7 +150,7 @@ impl Scene {
         Ok(set)
     }
 
-    /// As [`Self::textured`], with the textures written by an update template, as DXVK writes all descriptors.
+    /// As [`Self::textured`], with the textures written by an update template, as blade-graphics writes all descriptors.
     ///
     /// # Errors
     /// Errors of vkAllocateDescriptorSets and vkCreateDescriptorUpdateTemplate.
