@@ -1,4 +1,5 @@
-//! Commands of ours that stay recorded, and are submitted again as long as nothing but the content of their memory changes.
+//! Commands of ours that stay recorded, and are submitted again as long as nothing but the content of their memory changes. They may be pending
+//! more than once, unlike those of `xrEndFrame` (`gpu/recordings.rs`), whose parameters are in the memory of one slot.
 
 use crate::gpu::{GpuError, RecordingKey, allocate_commands};
 use crate::link::DeviceRecord;

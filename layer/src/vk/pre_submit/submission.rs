@@ -7,7 +7,7 @@ use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
 
-/// A submit to be: commands that are recorded for it alone, and after them recorded commands of earlier submits.
+/// A submit under construction: commands for it alone, and after them recorded commands of earlier submits.
 pub struct Submission<'a> {
     slot: &'a mut Slot,
     own: Submitter<'a>,
@@ -32,7 +32,7 @@ impl<'a> Submission<'a> {
         Self { slot, own, work, recorded, has_begun: false, again: SmallVec::new(), kept: Kept::new() }
     }
 
-    /// The command buffer for commands of this submit alone, which run before those of [`Self::repeat`].
+    /// The command buffer for commands of this submit alone. They run before the commands of [`Self::repeat`].
     ///
     /// # Errors
     /// A failed call.
@@ -91,7 +91,7 @@ impl<'a> Submission<'a> {
         if commands.is_empty() {
             return Ok(Outcome::Empty);
         }
-        // SAFETY: as `# Safety` demands; the slot has begun only where that is given.
+        // SAFETY: as `# Safety` demands; `has_begun` is the state of the slot.
         unsafe { slot.submit((own, queue), work, (has_begun, &commands), kept) }.map(|()| Outcome::Submitted)
     }
 }

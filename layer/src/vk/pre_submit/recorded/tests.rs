@@ -8,6 +8,8 @@ use std::ffi::{CStr, c_void};
 thread_local! {
     /// Numbers of allocated and of begun command buffers.
     static CALLS: Cell<[u64; 2]> = const { Cell::new([0; 2]) };
+    /// Number of destroyed pools.
+    static DESTROYED: Cell<u64> = const { Cell::new(0) };
 }
 
 unsafe extern "system" fn nothing() -> vk::Result {
@@ -41,6 +43,17 @@ unsafe extern "system" fn begin(
     vk::Result::SUCCESS
 }
 
+/// # Safety
+///
+/// None.
+unsafe extern "system" fn destroy_pool(
+    _: vk::Device,
+    _: vk::CommandPool,
+    _: *const vk::AllocationCallbacks<'_>,
+) {
+    DESTROYED.set(DESTROYED.get() + 1);
+}
+
 unsafe extern "system" fn no_function<T>(_: T, _: *const std::ffi::c_char) -> vk::PFN_vkVoidFunction {
     None
 }
@@ -53,6 +66,7 @@ fn device() -> (ash::Device, DeviceRecord) {
     let function = |name: &CStr| match name {
         name if name == c"vkAllocateCommandBuffers" => allocate as *const c_void,
         name if name == c"vkBeginCommandBuffer" => begin as *const c_void,
+        name if name == c"vkDestroyCommandPool" => destroy_pool as *const c_void,
         _ => nothing as *const c_void,
     };
     let record = DeviceRecord {
@@ -102,25 +116,28 @@ fn the_commands_of_the_oldest_finished_submit_make_room() {
     let mut commands = RecordedCommands::default();
     let mut found: Vec<_> = (0..MOST as u64).map(|key| find(&mut commands, key).0.unwrap()).collect();
     assert!(find(&mut commands, 100).0.is_none(), "all are pending");
-    let finished = found.remove(3).commands;
-    let last = found.pop().unwrap();
-    // The third is used later than the last.
-    let (third, _) = find(&mut commands, 3);
-    drop((third, last));
+    let (last, third) = (found.pop().unwrap().commands, found.remove(3).commands);
+    // Both have finished, and the third is submitted once more.
+    assert_eq!(find(&mut commands, 3).0.unwrap().commands, third);
     let (new, is_recorded) = find(&mut commands, 100);
-    assert!(is_recorded && new.unwrap().commands != finished);
+    assert_eq!((new.unwrap().commands, is_recorded), (last, true));
     assert!(!find(&mut commands, 3).1);
     assert!(find(&mut commands, MOST as u64 - 1).1, "its command buffer has another key");
 }
 
 /// Destroying the pool of a pending command buffer is undefined.
 #[test]
-fn pending_commands_are_left() {
-    let mut commands = RecordedCommands::default();
-    let found = find(&mut commands, 1);
+fn pending_commands_are_left_and_finished_ones_destroyed() {
     let (device, _) = device();
+    let mut commands = RecordedCommands::default();
+    let pending = find(&mut commands, 1);
     commands.destroy(&device);
-    drop(found);
+    drop(pending);
+    assert_eq!(DESTROYED.get(), 0);
+    let mut commands = RecordedCommands::default();
+    drop(find(&mut commands, 1));
+    commands.destroy(&device);
+    assert_eq!(DESTROYED.get(), 1);
 }
 
 #[test]
