@@ -207,6 +207,10 @@ struct ReuseParams {
     earlier_depth_offset: vec2<u32>,
     depth_scale: vec2<f32>,
     earlier_depth_scale: vec2<f32>,
+    whole_first: u32,
+    mixed_first: u32,
+    border_first: u32,
+    unused: u32,
 }
 
 @group(0) @binding(1) var<uniform> reuse: ReuseParams;
@@ -221,9 +225,10 @@ struct TileRect {
     edge: vec2<u32>,
 }
 
-fn tile_rect(instance: u32) -> TileRect {
-    let place = words[2u * instance];
-    let size = words[2u * instance + 1u];
+// Each list begins at a place of its own: instances count from 0.
+fn tile_rect(index: u32) -> TileRect {
+    let place = words[2u * index];
+    let size = words[2u * index + 1u];
     let first = vec2(place & 0xffffu, place >> 16u);
     let end = first + vec2(size & 0x3fffu, (size >> 14u) & 0x3fffu);
     let extent = vec2<f32>(params.rect_extent);
@@ -238,7 +243,7 @@ fn tile_rect(instance: u32) -> TileRect {
 // As `tile`, but one instance for each entry of a list.
 @vertex
 fn listed_with_work(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Seen {
-    let rect = tile_rect(instance);
+    let rect = tile_rect(reuse.whole_first + instance);
     if !tile_has_work(rect.low, rect.high) {
         return unseen();
     }
@@ -301,18 +306,27 @@ fn found_by_pixel(handed: Found) -> Found {
     return found;
 }
 
-// One instance for each entry of a list, for pixels one by one.
-@vertex
-fn listed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
-    let rect = tile_rect(instance);
+fn corner_found(rect: TileRect, vertex: u32) -> Found {
     let point = select(rect.low, rect.high, is_far(vertex));
     return found_at(point, homogeneous(reuse.matrix, point), vec2(1.0));
 }
 
+// One instance for each tile of which parts are taken, for pixels one by one.
+@vertex
+fn listed_mixed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
+    return corner_found(tile_rect(reuse.mixed_first + instance), vertex);
+}
+
+// The same for tiles that are taken as a whole.
+@vertex
+fn listed_still(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
+    return corner_found(tile_rect(reuse.whole_first + instance), vertex);
+}
+
 // The same for the texture.
 @vertex
-fn listed_found(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
-    let rect = tile_rect(instance);
+fn listed_whole(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
+    let rect = tile_rect(reuse.whole_first + instance);
     let point = select(rect.low, rect.high, is_far(vertex));
     return found_at(point, homogeneous(reuse.to_texture, point), vec2(1.0));
 }
@@ -323,7 +337,7 @@ struct BorderCorner {
 }
 
 fn border_corner(vertex: u32, instance: u32) -> BorderCorner {
-    let rect = tile_rect(instance);
+    let rect = tile_rect(reuse.border_first + instance);
     let width = min(vec2(reuse.border), reuse.tile_size * 0.5);
     let low = select(rect.low, rect.high - width, rect.edge == vec2(2u));
     let high = select(rect.high, rect.low + width, rect.edge == vec2(1u));

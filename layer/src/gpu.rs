@@ -35,7 +35,7 @@ mod support;
 
 pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use app_commands::{COMPUTES, READS_OF_RESULTS};
-pub(crate) use buffer::{ResultRing, UniformRing, WordRing};
+pub(crate) use buffer::{IndirectRing, IndirectSize, ResultRing, UniformRing, WordRing};
 pub(crate) use commands::{Uses, wait_device, wait_fence};
 pub(crate) use compare::Comparison;
 pub(crate) use compiler::{Compilation, Compiler, Later};
@@ -49,7 +49,7 @@ pub use error::GpuError;
 pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, depth_view, sampled_view};
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader};
-pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
+pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw, Tiles};
 pub(crate) use recordings::{RecordingKey, allocate as allocate_commands, serial};
 pub(crate) use sample_draw::{SampleAspect, SamplePass, SampleTarget, is_left};
 pub use shared::Shared;

@@ -116,6 +116,63 @@ impl ResultRing {
     }
 }
 
+/// A size that commands read from memory when they run, so that recorded commands serve frames with other sizes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct IndirectSize {
+    pub(super) buffer: vk::Buffer,
+    pub(super) offset: u64,
+}
+
+/// A ring of sizes of draws and dispatches: room for a set number of them in each submit.
+pub(crate) struct IndirectRing {
+    buffer: MappedBuffer,
+    per_submit: u32,
+}
+
+impl IndirectRing {
+    /// Bytes of a size: a VkDrawIndirectCommand, or a VkDispatchIndirectCommand.
+    const STRIDE: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
+
+    pub(crate) fn new(gpu: &Arc<Gpu>, per_submit: u32) -> Result<Self, GpuError> {
+        let size = u64::from(Self::STRIDE) * u64::from(per_submit) * SUBMITS_IN_FLIGHT as u64;
+        let none = vk::MemoryPropertyFlags::empty();
+        let buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::INDIRECT_BUFFER, none)?;
+        Ok(Self { buffer, per_submit })
+    }
+
+    /// Writes element `index` of the slot's next submit: a draw of so many strips of four vertices, from the first one on. The GPU does
+    /// not read that part now, as the slot's last submit was waited for.
+    pub(crate) fn write_strips(
+        &mut self,
+        slot: SlotIndex,
+        index: u32,
+        instances: u32,
+    ) -> Result<IndirectSize, GpuError> {
+        // Another first instance is a feature of the device (drawIndirectFirstInstance).
+        self.write(slot, index, [4, instances, 0, 0])
+    }
+
+    /// The same for a dispatch of so many workgroups, in a row.
+    pub(crate) fn write_groups(
+        &mut self,
+        slot: SlotIndex,
+        index: u32,
+        groups: u32,
+    ) -> Result<IndirectSize, GpuError> {
+        self.write(slot, index, [groups, 1, 1, 0])
+    }
+
+    fn write(&mut self, slot: SlotIndex, index: u32, words: [u32; 4]) -> Result<IndirectSize, GpuError> {
+        if index >= self.per_submit {
+            return Err(GpuError::Invalid("more regions than fit in one submission"));
+        }
+        let element = slot.get() as u32 * self.per_submit + index;
+        let offset = u64::from(element * Self::STRIDE);
+        self.buffer.write(offset, bytemuck::bytes_of(&words))?;
+        Ok(IndirectSize { buffer: self.buffer.buffer.handle(), offset })
+    }
+}
+
 /// A ring of `T`s: room for a set number of them in each submit.
 pub(crate) struct UniformRing<T> {
     buffer: MappedBuffer,

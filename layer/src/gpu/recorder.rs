@@ -1,9 +1,8 @@
 //! Recording of commands.
 
 use super::barrier::ImageBarrier;
-use super::{ColorTarget, Comparison, TilePipeline};
+use super::{ColorTarget, Comparison, IndirectSize, TilePipeline};
 use ash::vk;
-use std::ops::Range;
 
 /// A command buffer that is being recorded.
 pub(crate) struct Recorder<'a> {
@@ -101,11 +100,11 @@ impl<'a> Recorder<'a> {
         let sets = &sets[..3 + usize::from(compare.depth.is_some())];
         let layout = compare.comparison.layout();
         // SAFETY: the command buffer is being recorded, outside of a render pass; the sets have the layouts of the pipeline, and
-        // one dynamic offset, which comes from the uniform's ring.
+        // one dynamic offset, which comes from the uniform's ring; the number of workgroups lies in a ring, too.
         unsafe {
             device.cmd_bind_pipeline(commands, compute, compare.comparison.handle());
             device.cmd_bind_descriptor_sets(commands, compute, layout, 0, sets, &[compare.offset]);
-            device.cmd_dispatch(commands, compare.groups, 1, 1);
+            device.cmd_dispatch_indirect(commands, compare.groups.buffer, compare.groups.offset);
         }
     }
 
@@ -191,7 +190,7 @@ pub(crate) struct Compare<'a> {
     /// Set 3, of a comparison that has it.
     pub(crate) depth: Option<vk::DescriptorSet>,
     /// Number of workgroups.
-    pub(crate) groups: u32,
+    pub(crate) groups: IndirectSize,
 }
 
 /// Recording within a render pass.
@@ -215,8 +214,17 @@ pub(crate) struct TileDraw<'a> {
     pub(crate) viewport: vk::Rect2D,
     /// The rectangle that may be written, within the target.
     pub(crate) scissor: vk::Rect2D,
-    /// Instances to draw.
-    pub(crate) tiles: Range<u32>,
+    /// The instances.
+    pub(crate) tiles: Tiles,
+}
+
+/// Instances of a draw, from the first one on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Tiles {
+    /// So many.
+    Number(u32),
+    /// As many as memory contains.
+    Indirect(IndirectSize),
 }
 
 impl DrawRecorder<'_> {
@@ -244,7 +252,10 @@ impl DrawRecorder<'_> {
             device.cmd_bind_descriptor_sets(commands, graphics, layout, 0, sets, draw.offsets);
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_set_scissor(commands, 0, &[draw.scissor]);
-            device.cmd_draw(commands, 4, draw.tiles.len() as u32, 0, draw.tiles.start);
+            match draw.tiles {
+                Tiles::Number(instances) => device.cmd_draw(commands, 4, instances, 0, 0),
+                Tiles::Indirect(size) => device.cmd_draw_indirect(commands, size.buffer, size.offset, 1, 0),
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Key of recorded commands: all their inputs but the content of memory, in an order of the recording code's own. An object is in it by its
 /// [`serial`] and not by its handle, which a later object may get again. Commands may be submitted again while their objects exist, and a
 /// caller with a key has its objects.
-pub(crate) type RecordingKey = SmallVec<[u64; 64]>;
+pub(crate) type RecordingKey = SmallVec<[u64; 96]>;
 
 /// A number that no other object has.
 pub(crate) fn serial() -> u64 {
@@ -17,13 +17,14 @@ pub(crate) fn serial() -> u64 {
     NEWEST.fetch_add(1, Ordering::Relaxed) + 1
 }
 
-/// Command buffers for each slot of the ring. Images are used in turn: 3 of the application's and 4 of the runtime's in 3 slots make 12
-/// different recordings, 4 in a slot.
-const PER_SLOT: usize = 6;
+/// Most command buffers for each slot of the ring. Images are used in turn: with 7 of the application's, of which earlier pictures are kept,
+/// and 4 of the runtime's, each pair recurs in every 28th frame.
+const PER_SLOT: usize = 32;
 
 /// The recorded command buffers of one slot, which are pending at no other time than the slot.
+#[derive(Default)]
 pub(super) struct Recordings {
-    /// At most [`PER_SLOT`], for which there is room from the beginning.
+    /// At most [`PER_SLOT`].
     kept: Vec<Recording>,
     /// Counts uses.
     uses: u64,
@@ -42,12 +43,6 @@ pub(super) enum Found {
     Recorded(vk::CommandBuffer),
     /// To be recorded.
     Blank(vk::CommandBuffer),
-}
-
-impl Default for Recordings {
-    fn default() -> Self {
-        Self { kept: Vec::with_capacity(PER_SLOT), uses: 0 }
-    }
 }
 
 impl Recordings {

@@ -1,16 +1,18 @@
 //! `change`: difference between the content of tiles and earlier pictures in the same directions.
 //!
-//! Recorded with [`super::compose`], whose earlier pictures it reads. The host reads the results some frames later, once the submit has
+//! Recorded with [`super::compose`], whose earlier pictures it reads, and repeated with it: the tiles and their number are in memory. The host reads the results some frames later, once the submit has
 //! finished, and never waits for them.
 
 pub use parafovea_core::kernels::change::ChangeParams;
 
+use super::compose::key::{image, pair};
 use super::compose::{ComposeJob, EarlierImage, PictureDepth};
-use crate::gpu::barrier::{APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED};
+use crate::gpu::barrier::{APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED, ImageBarrier};
 use crate::gpu::{
-    Compare, CompareSet, Comparison, Gpu, GpuError, Recorder, ResultRing, SUBMITS_IN_FLIGHT, Shared,
-    SlotIndex, UniformRing, Uses, WordRing,
+    Compare, CompareSet, Comparison, Gpu, GpuError, IndirectRing, IndirectSize, Recorder, RecordingKey,
+    ResultRing, SUBMITS_IN_FLIGHT, Shared, SlotIndex, UniformRing, Uses, WordRing, serial,
 };
+use ash::vk;
 use parafovea_core::geometry::View;
 use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Reuse};
 use smallvec::SmallVec;
@@ -83,6 +85,27 @@ struct Room {
     params: UniformRing<ChangeParams>,
     words: WordRing,
     results: ResultRing,
+    /// Numbers of workgroups.
+    sizes: IndirectRing,
+    /// Of the objects above.
+    serial: u64,
+}
+
+/// Most comparisons of a submit, each of one region with one earlier picture.
+const MOST_COMPARISONS: usize = MAX_COMPARED * MAX_AGES;
+
+/// The comparisons of a submit, as they lie in memory.
+pub(super) type Placed = SmallVec<[PlacedComparison; MOST_COMPARISONS]>;
+
+/// The comparison of a region with one earlier picture.
+pub(super) struct PlacedComparison {
+    /// Of its parameters.
+    offset: u32,
+    /// The newest picture, and the earlier one.
+    textures: [vk::DescriptorSet; 2],
+    /// The depth of the newest picture, if the head has moved.
+    depth: Option<vk::DescriptorSet>,
+    groups: IndirectSize,
 }
 
 /// The comparisons of a submit.
@@ -148,7 +171,7 @@ impl Change {
     /// # Errors
     /// A failed call.
     pub(super) fn make_room(&mut self, jobs: &[ComposeJob]) -> Result<(), GpuError> {
-        let needed: usize = compared(jobs).map(|(_, region)| region.tiles.count()).sum();
+        let needed: usize = compared(jobs).map(|(.., region)| region.tiles.count()).sum();
         if needed == 0 || self.room.as_ref().is_some_and(|room| needed <= room.words.per_submit() as usize) {
             return Ok(());
         }
@@ -159,10 +182,11 @@ impl Change {
             let [columns, rows] = region.reuse.now().stale.tiles();
             columns as usize * rows as usize
         };
-        let most: usize = compared(jobs).map(|(_, region)| tiles(region)).sum();
+        let most: usize = compared(jobs).map(|(.., region)| tiles(region)).sum();
         let count = u32::try_from(most.next_power_of_two())
             .map_err(|_| GpuError::Unsupported("this number of tiles"))?;
-        let params = UniformRing::new(&self.gpu, (MAX_COMPARED * MAX_AGES) as u32)?;
+        let params = UniformRing::new(&self.gpu, MOST_COMPARISONS as u32)?;
+        let sizes = IndirectRing::new(&self.gpu, MOST_COMPARISONS as u32)?;
         let (words, results) = (WordRing::new(&self.gpu, count)?, ResultRing::new(&self.gpu, count)?);
         let set = CompareSet::new(&params, &words, &results)?;
         let lists = self.pending.iter_mut().map(|pending| &mut pending.tiles);
@@ -171,7 +195,8 @@ impl Change {
         let kept = SUBMITS_IN_FLIGHT * count as usize;
         self.kept.tiles.reserve(kept.saturating_sub(self.kept.tiles.len()));
         self.kept.changes.reserve(kept.saturating_sub(self.kept.changes.len()));
-        self.room = Some(Room { uses: Uses::new(&self.gpu), set, params, words, results });
+        let uses = Uses::new(&self.gpu);
+        self.room = Some(Room { uses, set, params, words, results, sizes, serial: serial() });
         Ok(())
     }
 
@@ -188,39 +213,35 @@ impl Change {
         pending.tiles.clear();
     }
 
-    /// Records the comparisons of jobs, after [`Self::free`] and after all their other work; all images are before and after as the
-    /// application left them.
+    /// Writes the comparisons of jobs to memory, after [`Self::free`], and adds them to the key of the submit's commands.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] where [`Self::make_room`] has not made enough.
-    pub(super) fn record(
+    pub(super) fn place(
         &mut self,
-        recorder: &Recorder,
         slot: SlotIndex,
         jobs: &[ComposeJob],
-    ) -> Result<(), GpuError> {
-        let Self { comparisons, room, pending, .. } = self;
-        let Comparisons { unmoved, moved } = &**comparisons;
+        mut key: Option<&mut RecordingKey>,
+    ) -> Result<Placed, GpuError> {
+        let mut placed = Placed::new();
+        let Self { room, pending, .. } = self;
         let pending = &mut pending[slot.get()];
-        let Some(room) = room.as_mut().filter(|_| compared(jobs).next().is_some()) else { return Ok(()) };
+        let Some(room) = room.as_mut().filter(|_| compared(jobs).next().is_some()) else { return Ok(placed) };
         pending.place = room.results.place(slot, 0);
-        for job in jobs {
-            for image in images(job) {
-                let barrier = APP_RENDERED_TO_COMPARED.left_in(job.app.layout(image));
-                recorder.barrier(&barrier, job.app.images()[image], job.app.shape().array_layers);
-            }
+        if let Some(key) = &mut key {
+            key.push(room.serial);
         }
-        let mut number = 0;
-        for (job, region) in compared(jobs) {
+        for (number, job, region) in compared(jobs) {
             let extent = job.app.shape().extent;
             let newest = job.app.texture(job.app_index, region.array_layer);
             let before = pending.tiles.len();
-            for (index, image) in region.earlier.iter().enumerate().take(region.reuse.ages()) {
+            for (index, earlier) in region.earlier.iter().enumerate().take(region.reuse.ages()) {
                 let tiles = region.tiles.with_age(index + 1);
                 let extent = [extent.width, extent.height];
-                let params = ChangeParams::new(&region.reuse, index + 1, region.offset, image.offset, extent);
-                let earlier = job.app.texture(image.app_index, image.array_layer);
-                let (Some(params), Some(newest), Some(earlier)) = (params, newest, earlier) else { continue };
+                let params =
+                    ChangeParams::new(&region.reuse, index + 1, region.offset, earlier.offset, extent);
+                let texture = job.app.texture(earlier.app_index, earlier.array_layer);
+                let (Some(params), Some(newest), Some(texture)) = (params, newest, texture) else { continue };
                 if tiles.is_empty() {
                     continue;
                 }
@@ -229,28 +250,51 @@ impl Change {
                 let params = ChangeParams { first, count: tiles.len() as u32, ..params };
                 let depth = region.depth.filter(|_| region.reuse.has_moved_since(index + 1));
                 let params = depth.map_or(params, |depth| params.with_depth(depth.rect));
-                let depth = depth.and_then(|depth| depth.texture());
-                recorder.compare(&Compare {
-                    comparison: if depth.is_some() { moved } else { unmoved },
-                    parameters: room.set.handle(),
-                    offset: room.params.write(slot, number, &params)?,
-                    textures: [newest, earlier],
-                    depth,
-                    groups: params.count.div_ceil(THREADS),
+                let place = placed.len() as u32;
+                placed.push(PlacedComparison {
+                    offset: room.params.write(slot, place, &params)?,
+                    textures: [newest, texture],
+                    depth: depth.and_then(|depth| depth.texture()),
+                    groups: room.sizes.write_groups(slot, place, params.count.div_ceil(THREADS))?,
                 });
+                if let Some(key) = &mut key {
+                    key.push(pair(number, region.array_layer));
+                    key.push(image(job, earlier.app_index));
+                    key.push(pair(earlier.array_layer, depth.is_some().into()));
+                    key.extend(depth.into_iter().flat_map(|depth| depth.key()));
+                }
                 pending.tiles.extend_from_slice(tiles);
-                number += 1;
             }
             pending.views.push((region.view, pending.tiles.len() - before));
         }
-        for job in jobs {
-            for image in images(job) {
-                let barrier = APP_COMPARED_TO_RENDERED.left_in(job.app.layout(image));
-                recorder.barrier(&barrier, job.app.images()[image], job.app.shape().array_layers);
+        Ok(placed)
+    }
+
+    /// Records placed comparisons, after all other work of the jobs; all images are before and after as the application left them.
+    pub(super) fn record(&self, recorder: &Recorder, jobs: &[ComposeJob], placed: &Placed) {
+        let Comparisons { unmoved, moved } = &*self.comparisons;
+        let Some(room) = self.room.as_ref().filter(|_| !placed.is_empty()) else { return };
+        let barriers = |barrier: &ImageBarrier| {
+            for job in jobs {
+                for image in images(job) {
+                    let barrier = barrier.left_in(job.app.layout(image));
+                    recorder.barrier(&barrier, job.app.images()[image], job.app.shape().array_layers);
+                }
             }
+        };
+        barriers(&APP_RENDERED_TO_COMPARED);
+        for comparison in placed {
+            recorder.compare(&Compare {
+                comparison: if comparison.depth.is_some() { moved } else { unmoved },
+                parameters: room.set.handle(),
+                offset: comparison.offset,
+                textures: comparison.textures,
+                depth: comparison.depth,
+                groups: comparison.groups,
+            });
         }
+        barriers(&APP_COMPARED_TO_RENDERED);
         recorder.computed_to_host();
-        Ok(())
     }
 
     /// The last recording was submitted.
@@ -294,13 +338,14 @@ fn hand_out(
     }
 }
 
-/// The comparisons, each with its job.
+/// The comparisons, each with its job and the job's number.
 fn compared<'a, 'b>(
     jobs: &'b [ComposeJob<'a>],
-) -> impl Iterator<Item = (&'b ComposeJob<'a>, &'a ChangeRegion<'a>)> {
-    jobs.iter()
-        .flat_map(|job| job.changes.iter().map(move |region| (job, region)))
-        .filter(|(_, region)| region.tiles.count() > 0)
+) -> impl Iterator<Item = (u32, &'b ComposeJob<'a>, &'a ChangeRegion<'a>)> {
+    (0..)
+        .zip(jobs)
+        .flat_map(|(number, job)| job.changes.iter().map(move |region| (number, job, region)))
+        .filter(|(.., region)| region.tiles.count() > 0)
 }
 
 /// The images that a job compares, by their numbers.

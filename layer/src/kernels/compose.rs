@@ -7,7 +7,7 @@ mod app_images;
 mod copies;
 mod depth;
 mod draws;
-mod key;
+pub(super) mod key;
 mod pipelines;
 mod record;
 mod reuse;
@@ -22,7 +22,7 @@ pub use reuse::{EarlierImage, ReuseRegion};
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, is_color_format, stores_unit_range};
 
-use super::change::{Change, ChangeRegion, Comparisons, MAX_COMPARED};
+use super::change::{Change, ChangeRegion, Comparisons, MAX_COMPARED, Placed};
 use crate::gpu::{Gpu, GpuError, Later, Purpose, UniformRing, UniformSet, Uses, serial};
 use ash::vk;
 use draws::{Draws, EarlierImages};
@@ -240,15 +240,20 @@ impl Compose {
                 found.0.placed.replace(reuse.place(slot, number, found, extent, &mut at)?);
             }
         }
-        if let Changing::There(change) = change {
-            change.free(slot);
-        }
-        let key = key(*serial, jobs, &draws);
+        let serials = [*serial, reuse.as_ref().map_or(0, ReuseBuffers::serial)];
+        let mut key = key(serials, jobs, &draws);
+        let compared = match change {
+            Changing::There(change) => {
+                change.free(slot);
+                change.place(slot, jobs, key.as_mut())?
+            }
+            _ => Placed::new(),
+        };
         let submit = next.submit(key.as_ref(), |recorder| {
             let sets = Sets { plain: uniform_set, lists: reuse.as_ref().map(ReuseBuffers::set) };
             record(recorder, jobs, &draws, &sets, pipelines);
             if let Changing::There(change) = change {
-                change.record(recorder, slot, jobs)?;
+                change.record(recorder, jobs, &compared);
             }
             Ok(())
         })?;

@@ -9,7 +9,7 @@ use super::compose::RuntimeImages;
 use crate::gpu::barrier::{ImageBarrier, RUNTIME_DRAWN_TO_BLENDED, blended_to};
 use crate::gpu::{
     DeviceBuffer, Gpu, GpuError, Later, ListSet, Output, Purpose, Shared, TileDraw, TilePipeline, TileShader,
-    UniformRing, Uses,
+    Tiles, UniformRing, Uses,
 };
 use ash::vk;
 use smallvec::SmallVec;
@@ -195,7 +195,7 @@ impl DebugViewPass {
                         depth: None,
                         viewport: rect,
                         scissor: rect,
-                        tiles: 0..1,
+                        tiles: Tiles::Number(1),
                     });
                 });
             }

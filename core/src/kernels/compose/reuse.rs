@@ -43,6 +43,15 @@ uniform! {
         pub depth_scale: [f32; 2],
         /// The same of that picture.
         pub earlier_depth_scale: [f32; 2],
+        /// Index in the buffer of the first rectangle of tiles taken from that picture as a whole, in rectangles; of fresh tiles in parameters
+        /// of no picture.
+        pub whole_first: u32,
+        /// The same of tiles of which parts are taken.
+        pub mixed_first: u32,
+        /// The same of edges that are blended.
+        pub border_first: u32,
+        /// Ends the struct at a multiple of 16 bytes.
+        pub unused: u32,
     }
 }
 

@@ -51,6 +51,7 @@ pub struct KeptDepth {
     bytes: u64,
     /// Number of copies made.
     copies: AtomicU64,
+    serial: u64,
     gpu: Arc<Gpu>,
 }
 
@@ -181,6 +182,7 @@ impl KeptDepth {
             shape: *shape,
             bytes,
             copies: AtomicU64::new(0),
+            serial: serial(),
             gpu: Arc::clone(gpu),
         })
     }
@@ -225,6 +227,11 @@ impl PictureDepth<'_> {
     pub(in crate::kernels) fn texture(&self) -> Option<vk::DescriptorSet> {
         let layers = self.kept.shape.array_layers as usize;
         self.kept.textures.get(self.kept.slot(self.copy) * layers + self.array_layer as usize)
+    }
+
+    /// The part of a key that stands for [`Self::texture`].
+    pub(in crate::kernels) fn key(&self) -> [u64; 2] {
+        [self.kept.serial, (self.kept.slot(self.copy) as u64) << 32 | u64::from(self.array_layer)]
     }
 
     /// Notes that a submit of that number reads it.

@@ -1,23 +1,24 @@
-//! The key of a frame's commands. A frame that only copies and attenuates pictures repeats the commands of an earlier frame with the same
-//! images and rectangles: the gaze is in memory that the commands read.
+//! The key of a frame's commands. A frame repeats the commands of an earlier one with the same images, rectangles and kinds of draws: the
+//! gaze, the tiles and their number are in memory that the commands read.
 
 use super::ComposeJob;
-use super::draws::Draws;
+use super::draws::{Draw, Draws};
+use super::reuse::ReuseRegion;
 use crate::gpu::RecordingKey;
 use ash::vk;
 
-/// The key of these jobs' commands; `None` where tiles come from earlier pictures or are compared with them, which gives other commands in
-/// every frame. `serial` is that of the pass.
-pub(super) fn key(serial: u64, jobs: &[ComposeJob], draws: &Draws) -> Option<RecordingKey> {
-    if jobs.iter().any(|job| !job.reuse.is_empty() || !job.changes.is_empty()) {
+/// The key of these jobs' commands, but for comparisons; `None` if tiles are copied, whose rectangles are in the commands. `serials` are
+/// those of the pass and of its lists.
+pub(super) fn key(serials: [u64; 2], jobs: &[ComposeJob], draws: &Draws) -> Option<RecordingKey> {
+    if draws.iter().any(|draw| draw.copied().next().is_some()) {
         return None;
     }
     let mut key = RecordingKey::new();
-    key.extend([serial, jobs.len() as u64]);
+    key.extend(serials);
+    key.push(jobs.len() as u64);
     for job in jobs {
-        let layout = job.app.layout(job.app_index as usize);
         key.push(job.app.serial());
-        key.push(pair(job.app_index, layout.as_raw() as u32));
+        key.push(image(job, job.app_index));
         key.push(job.runtime.serial());
         key.push(job.runtime_index.into());
     }
@@ -26,11 +27,33 @@ pub(super) fn key(serial: u64, jobs: &[ComposeJob], draws: &Draws) -> Option<Rec
         key.push(pair(draw.offset.get(), draw.tiles));
         key.extend(rect(draw.viewport));
         key.extend(rect(draw.scissor));
+        if let (Some(reuse), Some(job)) = (draw.reuse, jobs.get(draw.job)) {
+            push_reuse(&mut key, job, draw, reuse);
+        }
     }
     Some(key)
 }
 
-fn pair(high: u32, low: u32) -> u64 {
+/// Adds the images of a region's earlier pictures, and the kinds of draws from each.
+fn push_reuse(key: &mut RecordingKey, job: &ComposeJob, draw: &Draw, region: &ReuseRegion) {
+    let has_border = region.border > 0.0;
+    key.push(pair(draw.attenuates.into(), has_border.into()));
+    for (index, earlier) in draw.sampled() {
+        let depth = region.depth_at_age(index + 1);
+        let is_still = region.reuse.is_still_since(index + 1);
+        key.push(pair(index as u32, u32::from(is_still) | u32::from(depth.is_some()) << 1));
+        key.push(image(job, earlier.app_index));
+        key.push(earlier.array_layer.into());
+        key.extend(depth.into_iter().flatten().flat_map(|depth| depth.key()));
+    }
+}
+
+/// One of the application's images, and its layout.
+pub(in crate::kernels) fn image(job: &ComposeJob, index: u32) -> u64 {
+    pair(index, job.app.layout(index as usize).as_raw() as u32)
+}
+
+pub(in crate::kernels) fn pair(high: u32, low: u32) -> u64 {
     u64::from(high) << 32 | u64::from(low)
 }
 

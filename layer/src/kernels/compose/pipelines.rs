@@ -114,10 +114,10 @@ impl ReusePipelines {
         let all = Output::ColorAndAlpha;
         Ok(Self {
             fresh: pipeline(c"listed_with_work", c"pixel", false, Output::Color)?,
-            still: pipeline(c"listed", c"still_attenuated", false, all)?,
-            whole: both(c"listed_found", [c"whole", c"whole_attenuated"], false, all)?,
-            mixed: both(c"listed", [c"mixed", c"mixed_attenuated"], false, all)?,
-            moved: both(c"listed", [c"moved", c"moved_attenuated"], true, all)?,
+            still: pipeline(c"listed_still", c"still_attenuated", false, all)?,
+            whole: both(c"listed_whole", [c"whole", c"whole_attenuated"], false, all)?,
+            mixed: both(c"listed_mixed", [c"mixed", c"mixed_attenuated"], false, all)?,
+            moved: both(c"listed_mixed", [c"moved", c"moved_attenuated"], true, all)?,
             borders: if shared.can_blend(format) { Some(borders()?) } else { None },
         })
     }

@@ -9,11 +9,12 @@ use crate::gpu::barrier::{
     APP_COPIED_TO_RENDERED, APP_COPIED_TO_SAMPLED, APP_RENDERED_TO_COPIED, APP_RENDERED_TO_SAMPLED,
     APP_SAMPLED_TO_RENDERED, ImageBarrier, RUNTIME_ACQUIRED_TO_COPIED, RUNTIME_COPIED_TO_DRAWN,
 };
-use crate::gpu::{DrawRecorder, Later, ListSet, Recorder, TileDraw, TilePipeline, UniformSet};
+use crate::gpu::{
+    DrawRecorder, IndirectSize, Later, ListSet, Recorder, TileDraw, TilePipeline, Tiles, UniformSet,
+};
 use ash::vk;
 use parafovea_core::reuse::MAX_AGES;
 use smallvec::SmallVec;
-use std::ops::Range;
 
 /// The descriptor sets of draws.
 pub(super) struct Sets<'a> {
@@ -101,7 +102,7 @@ fn draw(
                         depth: None,
                         viewport: draw.viewport,
                         scissor: draw.scissor,
-                        tiles: 0..draw.tiles,
+                        tiles: Tiles::Number(draw.tiles),
                     }),
                     (Some(_), Some(pipelines), Some(lists)) => {
                         Completion { pass, job, draw, pipelines, lists, texture }.draw();
@@ -128,11 +129,8 @@ impl Completion<'_> {
     /// attenuated already.
     fn draw(&self) {
         let placed = self.draw.placed.borrow();
-        let attenuates = self.draw.attenuates;
-        let variant = usize::from(attenuates);
-        if attenuates {
-            self.tiles(&self.pipelines.fresh, placed.offset, (self.texture, None), &placed.fresh);
-        }
+        let variant = usize::from(self.draw.attenuates);
+        self.tiles(&self.pipelines.fresh, placed.offset, (self.texture, None), placed.fresh);
         let texture = |image: &super::EarlierImage| self.job.app.texture(image.app_index, image.array_layer);
         let ages: SmallVec<[(&Age, vk::DescriptorSet); MAX_AGES]> = self
             .draw
@@ -141,17 +139,17 @@ impl Completion<'_> {
             .collect();
         for (age, texture) in &ages {
             let whole = if age.is_still { &self.pipelines.still } else { &self.pipelines.whole[variant] };
-            self.tiles(whole, age.offset, (*texture, None), &age.whole);
+            self.tiles(whole, age.offset, (*texture, None), age.whole);
         }
         let ReusePipelines { mixed, moved, borders, .. } = self.pipelines;
         for (age, texture) in ages.iter().rev() {
             let mixed = if age.depth.is_some() { moved } else { mixed };
-            self.tiles(&mixed[variant], age.offset, (*texture, age.depth), &age.mixed);
+            self.tiles(&mixed[variant], age.offset, (*texture, age.depth), age.mixed);
         }
         let Some(Borders { unmoved, moved }) = borders else { return };
         for (age, texture) in &ages {
             let border = if age.depth.is_some() { moved } else { unmoved };
-            self.tiles(&border[variant], age.offset, (*texture, age.depth), &age.border);
+            self.tiles(&border[variant], age.offset, (*texture, age.depth), age.border);
         }
     }
 
@@ -160,11 +158,9 @@ impl Completion<'_> {
         pipeline: &TilePipeline,
         offset: u32,
         (texture, depth): (vk::DescriptorSet, Option<[vk::DescriptorSet; 2]>),
-        tiles: &Range<u32>,
+        size: Option<IndirectSize>,
     ) {
-        if tiles.is_empty() {
-            return;
-        }
+        let Some(size) = size else { return };
         self.pass.draw_tiles(&TileDraw {
             pipeline,
             parameters: self.lists.handle(),
@@ -173,7 +169,7 @@ impl Completion<'_> {
             depth,
             viewport: self.draw.viewport,
             scissor: self.draw.scissor,
-            tiles: tiles.clone(),
+            tiles: Tiles::Indirect(size),
         });
     }
 }

@@ -1,12 +1,14 @@
-//! Tiles from earlier pictures: the places of a frame's parameters and lists, and the drawn instances.
+//! Tiles from earlier pictures: the places of a frame's parameters and lists. The numbers of instances are in memory, too, so that a frame
+//! with other tiles repeats the commands of an earlier one.
 
 use super::draws::Draw;
 use super::{ComposeParams, MAX_REUSED, PictureDepth};
-use crate::gpu::{Gpu, GpuError, ListSet, SlotIndex, UniformRing, Uses, WordRing};
+use crate::gpu::{
+    Gpu, GpuError, IndirectRing, IndirectSize, ListSet, SlotIndex, UniformRing, Uses, WordRing, serial,
+};
 use ash::vk;
 use parafovea_core::kernels::compose::ReuseParams;
 use parafovea_core::reuse::{MAX_AGES, Reuse, TileLists, TileRects};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// A rectangle of one array layer that is completed from earlier pictures.
@@ -75,24 +77,30 @@ pub(super) struct Age {
     pub(super) is_still: bool,
     /// The depth of the newest picture and of that one, where the head has moved.
     pub(super) depth: Option<[vk::DescriptorSet; 2]>,
-    /// Instances.
-    pub(super) whole: Range<u32>,
-    /// Instances.
-    pub(super) mixed: Range<u32>,
-    /// Instances.
-    pub(super) border: Range<u32>,
+    /// Number of tiles that are drawn as a whole; `None` if they are copied.
+    pub(super) whole: Option<IndirectSize>,
+    /// Number of tiles of which parts are drawn.
+    pub(super) mixed: Option<IndirectSize>,
+    /// Number of blended edges; `None` without borders.
+    pub(super) border: Option<IndirectSize>,
 }
 
 /// Draws of the tiles of one region.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Placed {
-    /// Any parameters of the region, where it has none of an age.
+    /// Offset of the parameters of no age.
     pub(super) offset: u32,
-    /// Instances.
-    pub(super) fresh: Range<u32>,
+    /// Number of fresh tiles; `None` if their colour stays unchanged.
+    pub(super) fresh: Option<IndirectSize>,
     /// By age, from 1 on.
     pub(super) ages: [Age; MAX_AGES],
 }
+
+/// Sizes of one age: of whole tiles, parts and borders.
+const SIZES_OF_AGE: usize = 3;
+
+/// Sizes of one region: of fresh tiles, and of the ages.
+const SIZES: usize = 1 + SIZES_OF_AGE * MAX_AGES;
 
 /// Room for parameters and lists.
 pub(super) struct ReuseBuffers {
@@ -101,6 +109,20 @@ pub(super) struct ReuseBuffers {
     set: ListSet,
     params: UniformRing<ReuseParams>,
     words: WordRing,
+    sizes: IndirectRing,
+    /// Of the objects above.
+    serial: u64,
+}
+
+/// The lists of a region under way to memory.
+struct Lists<'a> {
+    words: &'a mut WordRing,
+    sizes: &'a mut IndirectRing,
+    slot: SlotIndex,
+    /// Index of the region's first size.
+    first_size: usize,
+    /// The next place among the submit's words.
+    at: &'a mut u32,
 }
 
 impl ReuseBuffers {
@@ -120,7 +142,8 @@ impl ReuseBuffers {
         let params = UniformRing::new(gpu, (MAX_REUSED * (MAX_AGES + 1)) as u32)?;
         let words = WordRing::new(gpu, count)?;
         let set = ListSet::new(uniforms, &params, &words)?;
-        Ok(Self { uses: Uses::new(gpu), set, params, words })
+        let sizes = IndirectRing::new(gpu, (MAX_REUSED * SIZES) as u32)?;
+        Ok(Self { uses: Uses::new(gpu), set, params, words, sizes, serial: serial() })
     }
 
     /// Whether there is room for these regions.
@@ -136,6 +159,11 @@ impl ReuseBuffers {
         &self.set
     }
 
+    /// No other buffers have it.
+    pub(super) fn serial(&self) -> u64 {
+        self.serial
+    }
+
     /// Writes the tiles that a draw, the `number`th of a submit that needs any, takes from earlier pictures, from place `at` of the
     /// submit's words on, which moves on.
     pub(super) fn place(
@@ -147,71 +175,76 @@ impl ReuseBuffers {
         at: &mut u32,
     ) -> Result<Placed, GpuError> {
         let plain = ReuseParams::new(&region.reuse, region.border);
-        let params = |this: &mut Self, age: usize, params: &ReuseParams| {
-            this.params.write(slot, (number * (MAX_AGES + 1) + age) as u32, params)
+        let Self { params, words, sizes, .. } = self;
+        let mut write = |age: usize, of_age: &ReuseParams| {
+            params.write(slot, (number * (MAX_AGES + 1) + age) as u32, of_age)
         };
-        let mut placed = Placed { offset: params(self, 0, &plain)?, ..Placed::default() };
-        if draw.attenuates {
-            placed.fresh = self.list(slot, &[&region.lists.fresh], at)?;
-        }
+        let mut lists = Lists { words, sizes, slot, first_size: number * SIZES, at };
+        let mut placed = Placed::default();
+        let (fresh, size) = match draw.attenuates {
+            true => lists.place(0, &[&region.lists.fresh])?,
+            false => (0, None),
+        };
+        placed.fresh = size;
+        placed.offset = write(0, &ReuseParams { whole_first: fresh, ..plain })?;
         for (index, image) in draw.sampled() {
             let age = index + 1;
-            let word = self.stale(slot, region, index, at)?;
+            let word = lists.stale(region, index)?;
             let depth = region.depth_at_age(age);
-            let written = plain.at_age(&region.reuse, age, image.offset, extent, word);
-            let written = match depth {
-                Some([now, then]) => written.with_depth(&region.reuse, age, now.rect, then.rect),
-                None => written,
+            let of_age = plain.at_age(&region.reuse, age, image.offset, extent, word);
+            let of_age = match depth {
+                Some([now, then]) => of_age.with_depth(&region.reuse, age, now.rect, then.rect),
+                None => of_age,
             };
-            let lists = region.lists;
+            let TileLists { full, partial, seam, .. } = region.lists;
+            let first_size = 1 + SIZES_OF_AGE * index;
+            let (whole_first, whole) = match draw.is_copied(region, index) {
+                true => (0, None),
+                false => lists.place(first_size, &[&full[index]])?,
+            };
+            let (mixed_first, mixed) = lists.place(first_size + 1, &[&partial[index]])?;
+            let (border_first, border) = match region.border > 0.0 {
+                true => lists.place(first_size + 2, &seam[index].each_ref())?,
+                false => (0, None),
+            };
             placed.ages[index] = Age {
-                offset: params(self, age, &written)?,
+                offset: write(age, &ReuseParams { whole_first, mixed_first, border_first, ..of_age })?,
                 is_still: region.reuse.is_still_since(age),
                 depth: depth.and_then(|[now, then]| Some([now.texture()?, then.texture()?])),
-                whole: if draw.is_copied(region, index) {
-                    0..0
-                } else {
-                    self.list(slot, &[&lists.full[index]], at)?
-                },
-                mixed: self.list(slot, &[&lists.partial[index]], at)?,
-                border: self.list(slot, &lists.seam[index].each_ref(), at)?,
+                whole,
+                mixed,
+                border,
             };
         }
         Ok(placed)
     }
+}
 
+impl Lists<'_> {
     /// Writes the stale tiles of the earlier picture of an index, where parts of tiles or borders are taken from it; returns their place.
-    fn stale(
-        &mut self,
-        slot: SlotIndex,
-        region: &ReuseRegion,
-        index: usize,
-        at: &mut u32,
-    ) -> Result<u32, GpuError> {
+    fn stale(&mut self, region: &ReuseRegion, index: usize) -> Result<u32, GpuError> {
         let picture = region.reuse.pictures().nth(index);
-        let lists = region.lists;
-        let is_read =
-            !lists.partial[index].is_empty() || lists.seam[index].iter().any(|seam| !seam.is_empty());
-        match picture.filter(|_| is_read) {
-            Some(picture) => self.write(slot, picture.stale.words(), at),
+        match picture.filter(|_| region.has_parts(index)) {
+            Some(picture) => self.write(picture.stale.words()),
             None => Ok(0),
         }
     }
 
-    /// Writes lists as one; returns its instances.
-    fn list(&mut self, slot: SlotIndex, lists: &[&TileRects], at: &mut u32) -> Result<Range<u32>, GpuError> {
-        *at = at.next_multiple_of(2);
-        let first = self.write(slot, &[], at)?;
+    /// Writes lists as one, and its size, of the given index in the region; returns its first rectangle, and the size.
+    fn place(&mut self, size: usize, lists: &[&TileRects]) -> Result<(u32, Option<IndirectSize>), GpuError> {
+        *self.at = self.at.next_multiple_of(2);
+        let first = self.write(&[])?;
         for list in lists {
-            self.write(slot, list.words(), at)?;
+            self.write(list.words())?;
         }
         let count: usize = lists.iter().map(|list| list.len()).sum();
-        Ok(first / 2..first / 2 + count as u32)
+        let size = self.sizes.write_strips(self.slot, (self.first_size + size) as u32, count as u32)?;
+        Ok((first / 2, Some(size)))
     }
 
-    fn write(&mut self, slot: SlotIndex, words: &[u32], at: &mut u32) -> Result<u32, GpuError> {
-        let place = self.words.write(slot, *at, words)?;
-        *at += words.len() as u32;
+    fn write(&mut self, words: &[u32]) -> Result<u32, GpuError> {
+        let place = self.words.write(self.slot, *self.at, words)?;
+        *self.at += words.len() as u32;
         Ok(place)
     }
 }
