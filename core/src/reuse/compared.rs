@@ -51,6 +51,11 @@ impl ComparedTiles {
         age.checked_sub(1).and_then(|index| self.by_age.get(index)).map_or(&[], Vec::as_slice)
     }
 
+    /// The greatest age with any tiles; 0 without tiles.
+    pub fn oldest(&self) -> usize {
+        self.by_age.iter().rposition(|tiles| !tiles.is_empty()).map_or(0, |index| index + 1)
+    }
+
     /// Number of compared tiles.
     pub fn count(&self) -> usize {
         self.by_age.iter().map(Vec::len).sum()

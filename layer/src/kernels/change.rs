@@ -235,16 +235,13 @@ impl Change {
             let extent = job.app.shape().extent;
             let newest = job.app.texture(job.app_index, region.array_layer);
             let before = pending.tiles.len();
-            for (index, earlier) in region.earlier.iter().enumerate().take(region.reuse.ages()) {
+            for (index, earlier) in pictures(region) {
                 let tiles = region.tiles.with_age(index + 1);
                 let extent = [extent.width, extent.height];
                 let params =
                     ChangeParams::new(&region.reuse, index + 1, region.offset, earlier.offset, extent);
                 let texture = job.app.texture(earlier.app_index, earlier.array_layer);
                 let (Some(params), Some(newest), Some(texture)) = (params, newest, texture) else { continue };
-                if tiles.is_empty() {
-                    continue;
-                }
                 let at = pending.tiles.len() as u32;
                 let first = [room.words.write(slot, at, tiles)?, room.results.place(slot, at)];
                 let params = ChangeParams { first, count: tiles.len() as u32, ..params };
@@ -348,14 +345,17 @@ fn compared<'a, 'b>(
         .filter(|(.., region)| region.tiles.count() > 0)
 }
 
+/// The earlier pictures that a region is compared with: all up to the oldest, even without tiles, so that frames repeat commands.
+fn pictures<'a>(region: &'a ChangeRegion) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
+    region.earlier.iter().enumerate().take(region.reuse.ages().min(region.tiles.oldest()))
+}
+
 /// The images that a job compares, by their numbers.
 fn images(job: &ComposeJob) -> impl Iterator<Item = usize> {
     let bit = |index: u32| 1u64.checked_shl(index).unwrap_or(0);
     let regions = job.changes.iter().filter(|region| region.tiles.count() > 0);
     let bits = regions.fold(0u64, |bits, region| {
-        let earlier = region.earlier.iter().take(region.reuse.ages()).enumerate();
-        let used = earlier.filter(|(index, _)| !region.tiles.with_age(index + 1).is_empty());
-        used.fold(bits | bit(job.app_index), |bits, (_, image)| bits | bit(image.app_index))
+        pictures(region).fold(bits | bit(job.app_index), |bits, (_, image)| bits | bit(image.app_index))
     });
     (0..job.app.images().len()).filter(move |index| bits & bit(*index as u32) != 0)
 }

@@ -73,15 +73,15 @@ fn recorded<T>(run: impl FnOnce() -> T) -> (T, u32) {
     (result, RECORDINGS.get() - before)
 }
 
-/// Pictures that are completed from earlier ones and compared with them, with other tiles in each frame: the commands are those of earlier
-/// frames. Copies of tiles are recorded in every frame.
+/// Pictures that are completed from earlier ones and compared with them, with tiles of other number, size and age in each frame: the commands
+/// are those of earlier frames. Copies of tiles are recorded in every frame.
 #[test]
 fn completed_pictures_repeat_commands_too() {
     let vulkan = counted();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let swapchain = Swapchain::with_images(&vulkan, &shape(FORMAT, 150, 93, 1), IMAGES);
     let chroma = [region(0, [0, 0, 150, 93], Vec3::NEG_Z, FORMAT, &ChromaSettings::default())];
-    let mut frame = |number: u32, frames: &[Frame], regions: &[ComposeRegion]| {
+    let mut frame = |number: u32, frames: &[Frame], (regions, is_compared): (&[ComposeRegion], bool)| {
         let index = number % IMAGES;
         for (age, frame) in (0..).zip(frames) {
             swapchain.render(&vulkan, (index + IMAGES - age) % IMAGES, std::slice::from_ref(&frame.pixels));
@@ -91,7 +91,11 @@ fn completed_pictures_repeat_commands_too() {
         let earlier = earlier_than(index);
         let completed = [ReuseRegion { earlier, ..reuse_region(frames, &lists, true, 4.0) }];
         let changes = [ChangeRegion { earlier, ..change::region(frames, &tiles) }];
-        let job = ComposeJob { reuse: &completed, changes: &changes, ..swapchain.job(index, regions) };
+        let job = ComposeJob {
+            reuse: &completed,
+            changes: if is_compared { &changes } else { &[] },
+            ..swapchain.job(index, regions)
+        };
         let ((), recordings) = recorded(|| compose.submit(&[job]).unwrap());
         let shown = swapchain.shown(&vulkan, job.runtime_index, 1, 4).swap_remove(0);
         let expected = reference(frames, pixel_format(FORMAT), (regions, true, 4.0));
@@ -99,22 +103,40 @@ fn completed_pictures_repeat_commands_too() {
         assert!(others <= 80, "{others} in frame {number}");
         let mut found = 0;
         compose.changes(|_, tiles, _| found += tiles.len());
-        assert_eq!(found, tiles.count(), "frame {number}");
+        assert_eq!(found, if is_compared { tiles.count() } else { 0 }, "frame {number}");
         (shown, recordings)
     };
     // The most tiles first, for which room is made.
-    let turned = [(8, 1.7), (16, -1.1), (8, 2.4)].map(|(texel, speed)| frames([150, 93], texel, speed));
+    let turned = [(8, 1.7), (16, -3.1), (32, 0.8)].map(|(texel, speed)| frames([150, 93], texel, speed));
+    // Compared up to the same age.
+    let compared_alike =
+        [(8, 1.7), (16, -1.1), (8, 0.4)].map(|(texel, speed)| frames([150, 93], texel, speed));
     let still = frames([150, 93], 16, 0.0);
-    for regions in [&[][..], &chroma] {
+    let whole = &chroma[..];
+    for (sets, how) in [
+        (&turned, (&[][..], false)),
+        (&turned, (whole, false)),
+        (&compared_alike, (&[], true)),
+        (&compared_alike, (whole, true)),
+    ] {
         // Four images in three slots.
-        let first: u32 = (0..12).map(|number| frame(number, &turned[0], regions).1).sum();
+        let first: u32 = (0..12).map(|number| frame(number, &sets[0], how).1).sum();
         assert_eq!(first, 12, "new commands");
         let later: Vec<_> =
-            (12..36).map(|number| frame(number, &turned[number as usize % turned.len()], regions)).collect();
+            (12..36).map(|number| frame(number, &sets[number as usize % sets.len()], how)).collect();
         assert_eq!(later.iter().map(|(_, recordings)| recordings).sum::<u32>(), 0, "other tiles");
         assert!(later.windows(2).all(|frames| frames[0].0 != frames[1].0), "pictures of other tiles");
-        let copied: u32 = (36..48).map(|number| frame(number, &still, regions).1).sum();
+        let copied: u32 = (36..48).map(|number| frame(number, &still, how).1).sum();
         assert_eq!(copied, 12, "tiles of pictures that have not moved");
+    }
+    let mut lists = TileLists::default();
+    lists.update(&reuse::reuse(&turned[0], true), 4.0, OLDEST);
+    (lists.full[1], lists.partial[1], lists.seam[1]) = Default::default();
+    for number in 0..12 {
+        let region = reuse_region(&turned[0], &lists, true, 4.0);
+        let completed = [ReuseRegion { earlier: earlier_than(number % IMAGES), ..region }];
+        let job = ComposeJob { reuse: &completed, ..swapchain.job(number % IMAGES, &[]) };
+        assert_eq!(recorded(|| compose.submit(&[job]).unwrap()).1, 0, "no tiles of the second picture");
     }
     vulkan.assert_valid();
 }

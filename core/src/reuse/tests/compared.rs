@@ -40,7 +40,7 @@ fn fresh_tiles_are_compared_with_the_re_used_image() {
     none.update(&reuse, 3, |[column, _]| column == 3);
     assert_eq!(none.count(), 7);
     none.clear();
-    assert_eq!((none.count(), none.with_age(0).len(), none.with_age(9).len()), (0, 0, 0));
+    assert_eq!((none.count(), none.oldest(), none.with_age(0).len(), none.with_age(9).len()), (0, 0, 0, 0));
 }
 
 /// Tiles that are rendered in each frame are compared as if they were not.
@@ -51,6 +51,7 @@ fn tiles_rendered_in_each_frame_are_compared_with_the_oldest_image() {
         Reuse::new(picture(1.0, &fresh), [0.5, 0.0, -0.5, -1.0].map(|yaw| picture(yaw, &fresh)), true);
     let tiles = compared(&reuse, 3);
     // Directions that came into view at the edge are only in newer images, if in any.
+    assert_eq!(tiles.oldest(), 3);
     assert!(tiles.with_age(3).len() >= 8 * 5 && tiles.count() < 70, "{}", tiles.count());
     assert!(tiles.with_age(4).is_empty());
 }

@@ -107,15 +107,18 @@ impl<'a> Draw<'a> {
         })
     }
 
-    /// Earlier pictures from which anything is drawn.
+    /// Earlier pictures from which tiles are drawn: if from any, then from all, so that the commands of a frame do not depend on the ages
+    /// of its tiles; but of a frame with copied tiles, whose commands are its own, those with drawn tiles alone.
     pub(super) fn sampled(&self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
+        let is_drawn = |region: &ReuseRegion, age: usize| {
+            let is_whole = !region.lists.full[age].is_empty() && !self.is_copied(region, age);
+            is_whole || region.has_parts(age)
+        };
+        let has_copies = self.copied().next().is_some();
         let regions = self.reuse.into_iter();
         regions.flat_map(move |region| {
-            let is_sampled = move |age: usize| {
-                let is_drawn = !region.lists.full[age].is_empty() && !self.is_copied(region, age);
-                is_drawn || region.has_parts(age)
-            };
-            region.pictures().filter(move |(age, _)| is_sampled(*age))
+            let has_draws = !has_copies && region.pictures().any(|(age, _)| is_drawn(region, age));
+            region.pictures().filter(move |(age, _)| has_draws || is_drawn(region, *age))
         })
     }
 
