@@ -135,8 +135,9 @@ impl IndirectRing {
 
     pub(crate) fn new(gpu: &Arc<Gpu>, per_submit: u32) -> Result<Self, GpuError> {
         let size = u64::from(Self::STRIDE) * u64::from(per_submit) * SUBMITS_IN_FLIGHT as u64;
-        let none = vk::MemoryPropertyFlags::empty();
-        let buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::INDIRECT_BUFFER, none)?;
+        // The GPU waits for each size before it begins the draw: not for the bus, where the host can write to the GPU's own memory.
+        let local = vk::MemoryPropertyFlags::DEVICE_LOCAL;
+        let buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::INDIRECT_BUFFER, local)?;
         Ok(Self { buffer, per_submit })
     }
 
