@@ -311,19 +311,19 @@ fn corner_found(rect: TileRect, vertex: u32) -> Found {
     return found_at(point, homogeneous(reuse.matrix, point), vec2(1.0));
 }
 
-// One instance for each tile of which parts are taken, for pixels one by one.
+// One instance for each rectangle of partial tiles, for pixels one by one.
 @vertex
 fn listed_mixed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     return corner_found(tile_rect(reuse.mixed_first + instance), vertex);
 }
 
-// The same for tiles that are taken as a whole.
+// The same for whole tiles of an unmoved picture.
 @vertex
 fn listed_still(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     return corner_found(tile_rect(reuse.whole_first + instance), vertex);
 }
 
-// The same for the texture.
+// The same for whole tiles of any picture, for the texture.
 @vertex
 fn listed_whole(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     let rect = tile_rect(reuse.whole_first + instance);

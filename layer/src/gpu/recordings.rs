@@ -17,8 +17,8 @@ pub(crate) fn serial() -> u64 {
     NEWEST.fetch_add(1, Ordering::Relaxed) + 1
 }
 
-/// Most command buffers for each slot of the ring. Images are used in turn: with 7 of the application's, of which earlier pictures are kept,
-/// and 4 of the runtime's, each pair recurs in every 28th frame.
+/// Most command buffers for each slot of the ring. Images are used in turn: 7 of the application's, with the earlier pictures, and 4 of the
+/// runtime's make 28 pairs.
 const PER_SLOT: usize = 32;
 
 /// The recorded command buffers of one slot, which are pending at no other time than the slot.

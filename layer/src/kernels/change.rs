@@ -105,6 +105,7 @@ pub(super) struct PlacedComparison {
     textures: [vk::DescriptorSet; 2],
     /// The depth of the newest picture, if the head has moved.
     depth: Option<vk::DescriptorSet>,
+    /// Number of workgroups.
     groups: IndirectSize,
 }
 
@@ -345,7 +346,7 @@ fn compared<'a, 'b>(
         .filter(|(.., region)| region.tiles.count() > 0)
 }
 
-/// The earlier pictures that a region is compared with: all up to the oldest, even without tiles, so that frames repeat commands.
+/// The earlier pictures of a region's comparisons: all up to the oldest, even without tiles, so that frames repeat commands.
 fn pictures<'a>(region: &'a ChangeRegion) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
     region.earlier.iter().enumerate().take(region.reuse.ages().min(region.tiles.oldest()))
 }

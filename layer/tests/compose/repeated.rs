@@ -73,8 +73,8 @@ fn recorded<T>(run: impl FnOnce() -> T) -> (T, u32) {
     (result, RECORDINGS.get() - before)
 }
 
-/// Pictures that are completed from earlier ones and compared with them, with tiles of other number, size and age in each frame: the commands
-/// are those of earlier frames. Copies of tiles are recorded in every frame.
+/// Completed and compared pictures repeat the commands of earlier frames, with tiles of other number, size and age in each. Copies of tiles
+/// are recorded in every frame.
 #[test]
 fn completed_pictures_repeat_commands_too() {
     let vulkan = counted();
@@ -108,9 +108,14 @@ fn completed_pictures_repeat_commands_too() {
     };
     // The most tiles first, for which room is made.
     let turned = [(8, 1.7), (16, -3.1), (32, 0.8)].map(|(texel, speed)| frames([150, 93], texel, speed));
-    // Compared up to the same age.
+    // All compared up to the third picture; the last set with younger ones, too.
     let compared_alike =
-        [(8, 1.7), (16, -1.1), (8, 0.4)].map(|(texel, speed)| frames([150, 93], texel, speed));
+        [(8, 1.7), (16, -1.1), (8, 9.0)].map(|(texel, speed)| frames([150, 93], texel, speed));
+    let ages = compared_alike.each_ref().map(|frames| {
+        let tiles = compared(frames);
+        (1..=3).map(|age| !tiles.with_age(age).is_empty()).collect::<Vec<_>>()
+    });
+    assert!(ages.iter().all(|ages| ages[2]) && ages[0] != ages[2], "{ages:?}");
     let still = frames([150, 93], 16, 0.0);
     let whole = &chroma[..];
     for (sets, how) in [

@@ -43,12 +43,11 @@ uniform! {
         pub depth_scale: [f32; 2],
         /// The same of that picture.
         pub earlier_depth_scale: [f32; 2],
-        /// Index in the buffer of the first rectangle of tiles taken from that picture as a whole, in rectangles; of fresh tiles in parameters
-        /// of no picture.
+        /// Index of the first rectangle of whole tiles in the buffer, in rectangles; in the parameters of no picture, of fresh tiles.
         pub whole_first: u32,
-        /// The same of tiles of which parts are taken.
+        /// The same of partial tiles.
         pub mixed_first: u32,
-        /// The same of edges that are blended.
+        /// The same of blended edges.
         pub border_first: u32,
         /// Ends the struct at a multiple of 16 bytes.
         pub unused: u32,

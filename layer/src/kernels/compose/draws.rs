@@ -107,8 +107,8 @@ impl<'a> Draw<'a> {
         })
     }
 
-    /// Earlier pictures from which tiles are drawn: if from any, then from all, so that the commands of a frame do not depend on the ages
-    /// of its tiles; but of a frame with copied tiles, whose commands are its own, those with drawn tiles alone.
+    /// Sources of drawn tiles among the earlier pictures: all of them if any has such tiles, so that the commands of a frame do not depend on
+    /// the ages of its tiles. A frame with copied tiles has commands of its own, and draws only from pictures with drawn tiles.
     pub(super) fn sampled(&self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
         let is_drawn = |region: &ReuseRegion, age: usize| {
             let is_whole = !region.lists.full[age].is_empty() && !self.is_copied(region, age);

@@ -7,8 +7,8 @@ use super::reuse::ReuseRegion;
 use crate::gpu::RecordingKey;
 use ash::vk;
 
-/// The key of these jobs' commands, but for comparisons; `None` if tiles are copied, whose rectangles are in the commands. `serials` are
-/// those of the pass and of its lists.
+/// The key of these jobs' commands, without comparisons; `None` for copies of tiles: their rectangles are in the commands. `serials`: of the
+/// pass, and of its lists.
 pub(super) fn key(serials: [u64; 2], jobs: &[ComposeJob], draws: &Draws) -> Option<RecordingKey> {
     if draws.iter().any(|draw| draw.copied().next().is_some()) {
         return None;

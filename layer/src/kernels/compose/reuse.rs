@@ -77,11 +77,11 @@ pub(super) struct Age {
     pub(super) is_still: bool,
     /// The depth of the newest picture and of that one, where the head has moved.
     pub(super) depth: Option<[vk::DescriptorSet; 2]>,
-    /// Number of tiles that are drawn as a whole; `None` if they are copied.
+    /// Number of rectangles of whole tiles; `None` if they are copied.
     pub(super) whole: Option<IndirectSize>,
-    /// Number of tiles of which parts are drawn.
+    /// Number of rectangles of partial tiles.
     pub(super) mixed: Option<IndirectSize>,
-    /// Number of blended edges; `None` without borders.
+    /// Number of rectangles of blended edges; `None` without borders.
     pub(super) border: Option<IndirectSize>,
 }
 
@@ -90,7 +90,7 @@ pub(super) struct Age {
 pub(super) struct Placed {
     /// Offset of the parameters of no age.
     pub(super) offset: u32,
-    /// Number of fresh tiles; `None` if their colour stays unchanged.
+    /// Number of rectangles of fresh tiles; `None` if their colour stays unchanged.
     pub(super) fresh: Option<IndirectSize>,
     /// By age, from 1 on.
     pub(super) ages: [Age; MAX_AGES],
