@@ -111,6 +111,7 @@ impl PreSubmitRing {
         let (mut slots, _) = self.take_out();
         let mut recorded = lock(&self.recorded).take();
         find_finished(&mut slots, &own.functions.device);
+        destroy_spare(&mut slots, &own.functions.device);
         let mut free = slots.iter().position(|slot| slot.pending().is_none());
         // Read before the slots' timestamps are overwritten.
         own.timing.read();
@@ -125,11 +126,10 @@ impl PreSubmitRing {
             }
         }
         let outcome = free.and_then(|index| slots.get_mut(index)).map_or(Outcome::NoRoom, |slot| {
-            slot.set_number(self.newest.fetch_add(1, Ordering::Relaxed) + 1);
             let mut submission = Submission::new(slot, recorded.as_mut(), own, work);
             let submitted = add(&mut submission).and_then(|()| {
                 // SAFETY: this thread may use the live queue, as `# Safety` demands.
-                unsafe { submission.submit(queue) }
+                unsafe { submission.submit(queue, &self.newest) }
             });
             submitted.unwrap_or_else(|error| {
                 error.log("shading rates stay unchanged");
@@ -196,6 +196,15 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Destroys free slots beyond [`MOST_SLOTS`]: threads that submit at once make slots of their own.
+fn destroy_spare(slots: &mut Vec<Slot>, device: &ash::Device) {
+    while slots.len() > MOST_SLOTS
+        && let Some(spare) = slots.iter().rposition(|slot| slot.pending().is_none())
+    {
+        slots.swap_remove(spare).destroy(device);
+    }
+}
+
 /// Finishes the slots that the GPU is done with. The fences of a queue are signalled in the order of its submits: on a device that keeps up,
 /// that of the newest answers for all; on another, the search ends at the oldest unfinished one.
 fn find_finished(slots: &mut [Slot], device: &ash::Device) {
@@ -213,15 +222,4 @@ fn find_finished(slots: &mut [Slot], device: &ash::Device) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slots_keep_their_memory() {
-        let ring = PreSubmitRing::new(0);
-        let slots = Vec::with_capacity(4);
-        let memory = slots.as_ptr();
-        ring.put_back(slots);
-        assert_eq!(lock(&ring.slots).as_ptr(), memory);
-    }
-}
+mod tests;

@@ -4,6 +4,7 @@ use super::{Kept, Staging, Submitter};
 use crate::gpu::{GpuError, allocate_commands, wait_device, wait_fence};
 use crate::vk::timing::{Timer, Work};
 use ash::vk;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Staging memory is asked for in steps of this many bytes.
 const STEP: usize = 64 * 1024;
@@ -21,9 +22,7 @@ pub struct Slot {
     /// Objects in use by the command buffer while it is pending.
     kept: Kept,
     timer: Timer,
-    /// Number of the next submit among those to the queue.
-    number: u64,
-    /// Number of the last submit, as long as the GPU may work on it.
+    /// Number of its last submit among those to the queue, as long as the GPU may work on it.
     pending: Option<u64>,
 }
 
@@ -48,7 +47,6 @@ impl Slot {
             words: Vec::new(),
             kept: Kept::new(),
             timer: own.timing.own_timer(own.functions, family),
-            number: 0,
             pending: None,
         };
         // SAFETY: the pool is a new one of the live device.
@@ -73,11 +71,6 @@ impl Slot {
                 .map_err(GpuError::from_call("vkCreateFence"))?;
         }
         Ok(())
-    }
-
-    /// Sets the number of its next submit, which rises with each submit to the queue.
-    pub fn set_number(&mut self, number: u64) {
-        self.number = number;
     }
 
     /// Number of its last submit; `None` if the GPU is known to be done with it.
@@ -171,21 +164,21 @@ impl Slot {
         }
     }
 
-    /// Submits command buffers; if it `has_begun`, its own is among them, and its recording ends.
+    /// Submits command buffers, as the submit after `newest` of the queue; if it `has_begun`, its own is among them, and its recording ends.
     ///
     /// # Safety
     ///
     /// This thread may use the queue now, which is of the pool's family; all other command buffers are recorded; `own` is of its device.
     pub(super) unsafe fn submit(
         &mut self,
-        (own, queue): (Submitter<'_>, vk::Queue),
+        (own, queue, newest): (Submitter<'_>, vk::Queue, &AtomicU64),
         work: Work,
         (has_begun, commands): (bool, &[vk::CommandBuffer]),
         kept: Kept,
     ) -> Result<(), GpuError> {
         let device = &own.functions.device;
         let info = vk::SubmitInfo::default().command_buffers(commands);
-        // SAFETY: this thread may use the live queue, as `# Safety` demands; the fence is not in use, as the slot is not pending.
+        // SAFETY: the device is live, its command buffer is recording where it has begun, and the fence is not in use, as the slot is not pending.
         unsafe {
             if has_begun {
                 self.timer.end(self.commands);
@@ -194,14 +187,17 @@ impl Slot {
                     .map_err(GpuError::from_call("vkEndCommandBuffer"))?;
             }
             device.reset_fences(&[self.fence]).map_err(GpuError::from_call("vkResetFences"))?;
-            own.locks
-                .with(queue, || (own.submit)(queue, 1, &info, self.fence))
-                .result()
-                .map_err(GpuError::from_call("vkQueueSubmit"))?;
         }
+        // Under the lock, so that the numbers have the order of the submits.
+        let (number, result) = own.locks.with(queue, || {
+            let number = newest.fetch_add(1, Ordering::Relaxed) + 1;
+            // SAFETY: this thread may use the live queue, as `# Safety` demands.
+            (number, unsafe { (own.submit)(queue, 1, &info, self.fence) })
+        });
+        result.result().map_err(GpuError::from_call("vkQueueSubmit"))?;
         own.timing.submitted(&self.timer, own.frame.log().frame(), work);
         self.kept = kept;
-        self.pending = Some(self.number);
+        self.pending = Some(number);
         Ok(())
     }
 

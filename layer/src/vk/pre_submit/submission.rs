@@ -6,6 +6,7 @@ use crate::gpu::{GpuError, RecordingKey};
 use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
+use std::sync::atomic::AtomicU64;
 
 /// A submit under construction: commands for it alone, and after them recorded commands of earlier submits.
 pub struct Submission<'a> {
@@ -75,7 +76,7 @@ impl<'a> Submission<'a> {
         Ok(())
     }
 
-    /// Submits it, unless it has no commands.
+    /// Submits it, unless it has no commands, as the one after `newest` of the queue.
     ///
     /// # Errors
     /// A failed call.
@@ -84,7 +85,7 @@ impl<'a> Submission<'a> {
     ///
     /// This thread may use the queue now, which is that of the ring; objects in commands that are not in [`Self::kept`] are valid until it has
     /// finished.
-    pub(super) unsafe fn submit(self, queue: vk::Queue) -> Result<Outcome, GpuError> {
+    pub(super) unsafe fn submit(self, queue: vk::Queue, newest: &AtomicU64) -> Result<Outcome, GpuError> {
         let Self { slot, own, work, has_begun, again, kept, .. } = self;
         let own_commands = has_begun.then(|| slot.commands());
         let commands: SmallVec<[vk::CommandBuffer; 3]> = own_commands.into_iter().chain(again).collect();
@@ -92,6 +93,7 @@ impl<'a> Submission<'a> {
             return Ok(Outcome::Empty);
         }
         // SAFETY: as `# Safety` demands; `has_begun` is the state of the slot.
-        unsafe { slot.submit((own, queue), work, (has_begun, &commands), kept) }.map(|()| Outcome::Submitted)
+        unsafe { slot.submit((own, queue, newest), work, (has_begun, &commands), kept) }
+            .map(|()| Outcome::Submitted)
     }
 }
