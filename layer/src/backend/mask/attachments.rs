@@ -15,6 +15,8 @@ pub struct Attachments {
     pub depth: Option<DepthAttachment>,
     /// Colours that are drawn to or resolved to, each once.
     pub colors: SmallVec<[ColorAttachment; 8]>,
+    /// Images of the other attachments: input attachments alone, and attachments without a use, whose layout may change.
+    pub others: SmallVec<[ImageKey; 4]>,
 }
 
 /// Depth of a pass that begins.
@@ -96,10 +98,14 @@ impl Attachments {
                 final_layout: attachment.final_layout,
             })
         });
-        Self { depth, colors: colors.collect() }
+        let is_drawn = |index: &u32| {
+            pass.colors.contains(index) || pass.resolves.contains(index) || pass.depth == Some(*index)
+        };
+        let others = (0..targets.len() as u32).filter(|index| !is_drawn(index)).filter_map(at);
+        Self { depth, colors: colors.collect(), others: others.map(|(target, _)| target.image).collect() }
     }
 
-    /// Whether an image is among them.
+    /// Whether the pass draws or resolves to an image.
     pub fn have(&self, image: ImageKey) -> bool {
         let targets =
             self.depth.iter().map(|depth| depth.target).chain(self.colors.iter().map(|color| color.target));
@@ -240,7 +246,7 @@ pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<
             final_layout: found.image_layout,
         })
     });
-    Attachments { depth, colors: drawn.chain(resolved).collect() }
+    Attachments { depth, colors: drawn.chain(resolved).collect(), others: SmallVec::new() }
 }
 
 #[cfg(test)]
@@ -284,6 +290,24 @@ mod tests {
         assert_eq!(stored, [true, false, false]);
     }
 
+    /// A pass of deferred lighting reads the samples of an earlier pass.
+    #[test]
+    fn input_attachments_alone_are_among_the_others() {
+        let pass = RenderPass {
+            attachments: [vk::AttachmentStoreOp::STORE; 4].map(attachment).to_vec(),
+            subpasses: vec![],
+            colors: smallvec![1],
+            resolves: smallvec![3],
+            depth: None,
+            view_mask: 0,
+            facts: PassFacts::default(),
+        };
+        let target = |image| Some(Target { image: ImageKey(image), level: 0, base_layer: 0, layers: 1 });
+        let attachments = Attachments::of_render_pass(&pass, &[5, 6, 7, 8].map(target), &[], false);
+        assert_eq!(attachments.others.as_slice(), [5, 7].map(ImageKey));
+        assert_eq!([5, 6, 7, 8].map(|image| attachments.have(ImageKey(image))), [false, true, false, true]);
+    }
+
     #[test]
     fn transient_colour_is_stored_for_passes_that_load_it_and_shaders_that_read_it() {
         use vk::ImageUsageFlags as Usage;
@@ -300,7 +324,7 @@ mod tests {
                 is_stored: true,
                 layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
             };
-            let attachments = Attachments { depth: None, colors: smallvec![color] };
+            let attachments = Attachments { colors: smallvec![color], ..Attachments::default() };
             attachments.color_facts(&objects, |_| is_loaded_later).unwrap()[0].is_stored
         };
         assert!(!is_stored(transient, false));

@@ -88,7 +88,7 @@ impl Buffer {
     }
 
     /// Settles fills as a pass with these attachments begins, with this mask if it has a template: fills of its targets stay pending if they
-    /// are of the same mask, and fills of depth that it clears throughout are void.
+    /// are of the same mask, fills of depth that it clears throughout are void, and fills of its other attachments end.
     ///
     /// # Safety
     ///
@@ -112,7 +112,10 @@ impl Buffer {
         self.recorded().pending.retain(|pending| !is_void(pending));
         // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe {
-            self.fill_where(handle, |pending| attachments.have(pending.target.image) && !is_own(pending));
+            self.fill_where(handle, |pending| {
+                let image = pending.target.image;
+                (attachments.have(image) && !is_own(pending)) || attachments.others.contains(&image)
+            });
         }
         // The fills that the pass leaves pending are known when it ends.
         self.recorded().pending.retain(|pending| !attachments.have(pending.target.image));
