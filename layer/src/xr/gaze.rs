@@ -8,7 +8,7 @@ use crate::config::{Config, FilePath, GazeSource};
 use crate::inputs::gaze::auto::{ActiveGazeSource, Auto, PacketDelay};
 use crate::inputs::gaze::correction::SessionGazeCorrection;
 use crate::inputs::gaze::osc::{Listener, OscSource};
-use crate::inputs::gaze::recording::Recording;
+use crate::inputs::gaze::recording::{Recording, seconds_since};
 use crate::inputs::gaze::script::GazeScript;
 use crate::inputs::gaze::{Look, degrees, turned};
 use crate::status::StatusSnapshot;
@@ -192,14 +192,7 @@ impl SessionGaze {
         if state.recording.is_some() {
             let begin = *state.begin_ns.get_or_insert(time_ns);
             if let Some(recording) = &mut state.recording {
-                match look {
-                    Look::NoTracker => {}
-                    Look::Unseen => recording.note(seconds_since(begin, time_ns), None),
-                    Look::At { direction, sampled_ns, .. } => {
-                        let at = if sampled_ns > 0 { sampled_ns } else { time_ns };
-                        recording.note(seconds_since(begin, at), Some(direction));
-                    }
-                }
+                recording.note_look(look, begin, time_ns);
             }
         }
         look
@@ -293,11 +286,6 @@ impl Offered {
         }
     }
 }
-
-fn seconds_since(begin_ns: i64, time_ns: i64) -> f64 {
-    time_ns.saturating_sub(begin_ns) as f64 * 1e-9
-}
-
 fn wanted_file(config: &Config) -> FilePath {
     if config.gaze.source == GazeSource::File { config.gaze.file } else { FilePath::NONE }
 }

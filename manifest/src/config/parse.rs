@@ -26,9 +26,12 @@ const MIN_SIMILARITY: f64 = 0.8;
 pub fn parse(path: &Path, text: &str) -> Result<Config, ConfigErrors> {
     // Editors on Windows put a byte-order mark first.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let table =
-        DeTable::parse(text).map_err(|error| ConfigErrors::new(path, vec![syntax_error(text, &error)]))?;
+    let (table, syntax_errors) = DeTable::parse_recoverable(text);
     let table = table.get_ref();
+    let turns_off = table.get("enabled").is_some_and(|value| value.get_ref().as_bool() == Some(false));
+    if let Some(first) = syntax_errors.first() {
+        return Err(ConfigErrors::of_table(path, vec![syntax_error(text, first)], turns_off));
+    }
     let errors = match read(table) {
         Err(findings) => errors(text, findings),
         Ok(config) => match misordered(&config, table) {
@@ -40,7 +43,6 @@ pub fn parse(path: &Path, text: &str) -> Result<Config, ConfigErrors> {
             None => return Ok(config),
         },
     };
-    let turns_off = table.get("enabled").is_some_and(|value| value.get_ref().as_bool() == Some(false));
     Err(ConfigErrors::of_table(path, errors, turns_off))
 }
 

@@ -2,6 +2,7 @@
 //!
 //! A thread of its own does the writing: frames never wait for a disk. Lines that it cannot keep up with are left out.
 
+use super::Look;
 use super::script::GazeLine;
 use glam::Vec3;
 use std::fs::OpenOptions;
@@ -21,6 +22,8 @@ pub struct Recording {
     lines: Option<SyncSender<GazeLine>>,
     writer: Option<JoinHandle<()>>,
     newest: Option<f64>,
+    /// Age of the newest sample at its display time, nanoseconds.
+    age_ns: i64,
 }
 
 impl Recording {
@@ -40,12 +43,26 @@ impl Recording {
         let writer = std::thread::Builder::new()
             .name("parafovea-gaze".to_owned())
             .spawn(move || write(&path, &waiting))?;
-        Ok(Self { lines: Some(lines), writer: Some(writer), newest: None })
+        Ok(Self { lines: Some(lines), writer: Some(writer), newest: None, age_ns: 0 })
+    }
+
+    /// Adds the answer of the eye tracker for the frame shown at `time_ns`; times count from `begin_ns`. Lost eyes have no time of their own: they
+    /// are as old as the sample before, so that the next sample is newer.
+    pub fn note_look(&mut self, look: Look, begin_ns: i64, time_ns: i64) {
+        match look {
+            Look::NoTracker => {}
+            Look::Unseen => self.note(seconds_since(begin_ns, time_ns.saturating_sub(self.age_ns)), None),
+            Look::At { direction, sampled_ns, .. } => {
+                let at_ns = if sampled_ns > 0 { sampled_ns } else { time_ns };
+                self.age_ns = time_ns.saturating_sub(at_ns);
+                self.note(seconds_since(begin_ns, at_ns), Some(direction));
+            }
+        }
     }
 
     /// Adds the direction of the gaze, `seconds` after the first time; `None` if the eyes were not tracked. A time that is not newer than
     /// the newest is ignored.
-    pub fn note(&mut self, seconds: f64, direction: Option<Vec3>) {
+    fn note(&mut self, seconds: f64, direction: Option<Vec3>) {
         if self.newest.is_some_and(|newest| seconds <= newest) {
             return;
         }
@@ -55,6 +72,11 @@ impl Recording {
             let _ = lines.try_send(GazeLine { seconds, direction });
         }
     }
+}
+
+/// Time since `begin_ns`, seconds.
+pub fn seconds_since(begin_ns: i64, time_ns: i64) -> f64 {
+    time_ns.saturating_sub(begin_ns) as f64 * 1e-9
 }
 
 impl Drop for Recording {
@@ -119,6 +141,35 @@ mod tests {
         assert!(script.at(0.1).unwrap().abs_diff_eq(look.normalize(), 1e-6));
         assert_eq!(script.at(0.2), None);
         assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+    }
+
+    /// Samples of 50 ms of age, at 100 Hz, with a blink of three frames.
+    #[test]
+    fn no_sample_after_a_blink_is_lost() {
+        const AGE_NS: i64 = 50_000_000;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("gaze.csv");
+        let mut recording = Recording::create(&path).unwrap();
+        let begin_ns = 1_000_000_000;
+        for frame in 0..20 {
+            let time_ns = begin_ns + frame * 10_000_000;
+            let look = match frame {
+                8..11 => Look::Unseen,
+                _ => Look::At { direction: Vec3::NEG_Z, sampled_ns: time_ns - AGE_NS, uncertainty_ns: 0 },
+            };
+            recording.note_look(look, begin_ns, time_ns);
+        }
+        drop(recording);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let seconds: Vec<f64> = text
+            .lines()
+            .filter(|line| !line.starts_with('#'))
+            .map(|line| line.split(',').next().unwrap().trim().parse().unwrap())
+            .collect();
+        let expected: Vec<f64> = (0..20).map(|frame| f64::from(frame) * 0.01 - 0.05).collect();
+        assert_eq!(seconds.len(), expected.len(), "{text}");
+        assert!(seconds.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{text}");
+        assert!(text.parse::<GazeScript>().is_ok(), "{text}");
     }
 
     #[test]

@@ -283,6 +283,9 @@ fn a_file_with_errors_can_turn_the_layer_off() {
         "gaze.hold_ms = 9999\nenabled = false\n",
         "enabled = false\n[chroma]\nplateau_deg = 30\nmax_eccentricity_deg = 20\n",
         "\u{feff}preset = 1\nenabled = false",
+        "enabled = false\nrates.mode = off\n",
+        "enabled = false\n= 1\n",
+        "enabled = false\nenabled = false\n",
     ] {
         let errors = parse(Path::new("x"), text).unwrap_err();
         assert!(errors.turns_off(), "{text}");
@@ -293,8 +296,8 @@ fn a_file_with_errors_can_turn_the_layer_off() {
         "unknown = 1\n",
         "enabled = 'false'\n",
         "gaze.enabled = false\n",
-        "enabled = false\nenabled = false\n",
-        "enabled = false\n= 1\n",
+        "enabled = off\n",
+        "[gaze]\n= 1\nenabled = false\n",
     ] {
         let errors = parse(Path::new("x"), text).unwrap_err();
         assert!(!errors.turns_off(), "{text}");
