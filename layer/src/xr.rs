@@ -10,6 +10,7 @@
 use std::ffi::CStr;
 
 mod actions;
+mod amended_layers;
 mod dispatch;
 mod frame;
 mod functions;

@@ -21,6 +21,7 @@ mod gaze_correction;
 mod hello_xr;
 mod inert;
 mod input;
+mod late;
 mod layer_readme;
 mod loader_1_1;
 mod memory;

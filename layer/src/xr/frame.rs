@@ -6,6 +6,7 @@ mod depth;
 mod edit;
 mod eye_buffers;
 mod history;
+mod late;
 mod regions;
 mod report;
 mod work;
@@ -17,8 +18,10 @@ pub use eye_buffers::{ShownEyes, analyze_released};
 use debug_view::draws_over_released;
 use eye_buffers::analyzes_released;
 pub use history::{History, SortedTiles};
+use late::{note_views, with_earlier_views};
 
-use super::offer::PlacedLayers;
+use super::amended_layers::AmendedLayers;
+use super::offer::placed_by_gaze;
 use super::session::{self, Active, Health, Session, Tools};
 use super::submission::{Layer, Projection, Submission};
 use super::vulkan_device::FrameReport;
@@ -37,7 +40,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use work::{Regions, Work};
 
-/// `xrWaitFrame`: the time of a frame in which nothing is urgent, so edits of the configuration are taken here.
+/// `xrWaitFrame`. Applies edits of the configuration, as no other work of the frame is urgent then.
 ///
 /// # Safety
 ///
@@ -129,14 +132,24 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     }
     let mut placed = None;
     // SAFETY: valid usage: `info` and all structures that it points to are valid.
-    attempt("layers that the gaze moves", || placed = unsafe { PlacedLayers::of(info) });
-    let info = placed.as_ref().map_or(info, PlacedLayers::info);
+    attempt("composition layers placed by the gaze", || placed = unsafe { placed_by_gaze(info) });
+    let info = placed.as_ref().map_or(info, AmendedLayers::info);
     // SAFETY: the next layer's function with the application's own arguments, or our copy of one.
-    let below = || unsafe { (next.end_frame)(handle, info) };
+    let below = |info| unsafe { (next.end_frame)(handle, info) };
     // SAFETY: as above, of a frame without layers: `info` was read, so it is valid.
     let below_empty = || unsafe {
         let empty = xr::FrameEndInfo { layer_count: 0, layers: ptr::null(), ..*info };
         (next.end_frame)(handle, &empty)
+    };
+    let submit = |delivered| match delivered {
+        Ok(Pictures::New) => below(info),
+        Ok(Pictures::Late) => {
+            let mut earlier = None;
+            // SAFETY: valid usage, as above.
+            attempt("views of late pictures", || earlier = unsafe { with_earlier_views(handle, info) });
+            below(earlier.as_ref().map_or(info, AmendedLayers::info))
+        }
+        Err(Undeliverable) => below_empty(),
     };
     let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
     let read = OnceCell::new();
@@ -155,11 +168,9 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
             // SAFETY: in xrEndFrame this thread may use the session's queue.
             attempt("held images", || unsafe { swapchain::release_held(session, true) });
         }
-        let deliver = || frame().map_or(Ok(()), |frame| deliver(&frame, &mut FrameReport::default()));
-        if guard("the images of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
-            return below_empty();
-        }
-        below()
+        let deliver =
+            || frame().map_or(Ok(Pictures::New), |frame| deliver(&frame, &mut FrameReport::default()));
+        submit(guard("the images of a frame", || Ok(Pictures::Late), |_| deliver()))
     };
     guard("xrEndFrame", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
@@ -167,8 +178,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
             // SAFETY: in xrEndFrame this thread may use the session's queue.
             unsafe { swapchain::release_held(session, false) };
         }
-        let delivered = frame().map_or(Ok(()), |frame| frame.end());
-        answer.record(if delivered == Err(Undeliverable) { below_empty() } else { below() })
+        answer.record(submit(frame().map_or(Ok(Pictures::New), |frame| frame.end())))
     })
 }
 
@@ -201,7 +211,7 @@ impl FrameEnd<'_> {
     }
 
     /// Reports the frame to the Vulkan half and to the planner, and delivers its images.
-    fn end(&self) -> Result<(), Undeliverable> {
+    fn end(&self) -> Result<Pictures, Undeliverable> {
         let Self { session, active, submission, ref config, .. } = *self;
         let time = submission.time;
         session.actions.frame_ended(session, config, time);
@@ -227,8 +237,17 @@ impl FrameEnd<'_> {
     }
 }
 
-/// The runtime has no picture of a virtual swapchain, and none can be made: the frame ends without layers, so that the application goes on. A
-/// swapchain that it makes later is the runtime's own.
+/// The runtime's pictures in a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pictures {
+    /// All are of this frame.
+    New,
+    /// Some may be of an earlier frame.
+    Late,
+}
+
+/// Failure to write the runtime's image of a virtual swapchain. The frame then ends without layers, so that the application continues.
+/// Swapchains that it creates later are the runtime's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Undeliverable;
 
@@ -238,13 +257,13 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 // Each is moved about, in every frame, on the application's thread.
 const _: () = assert!(size_of::<Work<'_>>() <= 192);
 
-/// Writes the runtime's images from the application's, where the application released something new, or the
-/// picture depends on the gaze and that changed.
+/// Writes the runtime's images from the application's: after each release by the application, and if a gaze-dependent
+/// picture is out of date.
 ///
 /// # Errors
 ///
 /// A layer shows a virtual swapchain, whose images cannot be written any more.
-fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverable> {
+fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<Pictures, Undeliverable> {
     let FrameEnd { session, active, submission, ref config, .. } = *frame;
     let swapchains = swapchain::virtual_ones(session.handle);
     active.shown_eyes().note(submission.scene().as_ref());
@@ -252,11 +271,11 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     let is_drawn_over = debug_view::is_wanted(active, config);
     if swapchains.is_empty() {
         active.plan.keep_pictures(false);
-        return Ok(());
+        return Ok(Pictures::New);
     }
     let is_virtual = |handle| swapchains.iter().any(|swapchain| swapchain.handle == handle);
     let shows_any = || submission.shows_any(is_virtual);
-    let cannot = || if shows_any() { Err(Undeliverable) } else { Ok(()) };
+    let cannot = || if shows_any() { Err(Undeliverable) } else { Ok(Pictures::New) };
     let (Some(tools), Health::Works | Health::CopyOnly) = (active.tools(), active.health()) else {
         active.plan.keep_pictures(false);
         return cannot();
@@ -270,42 +289,38 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     works.extend(swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)));
     // Also of images that the runtime has no room for now: re-use reads them later.
     works.iter().for_each(|work| work.ask_layout(&active.device));
+    note_views(submission, &mut works);
     process(frame, tools, &mut works);
     complete::complete(frame, tools, report, &mut works, &mut history, &mut regions);
     works.retain(|work| work.is_due(is_drawn_over));
+    let due = works.len();
     works.retain(|work| work.take_image(next));
+    let pictures = if works.len() == due { Pictures::New } else { Pictures::Late };
     if works.is_empty() {
-        return Ok(());
+        return Ok(pictures);
     }
-    match submit(active, tools, &mut works, &regions) {
-        Ok(()) => {
-            // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
-            unsafe { eye_buffers::analyze_written(frame, &works) };
-            if is_drawn_over {
-                // SAFETY: as above. The debug view is drawn last: no pass of the layer reads it.
-                unsafe { debug_view::draw(frame, &works) };
-            }
-        }
-        // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
-        // it gets an unwritten image, until the next frame.
-        Err(error @ GpuError::Timeout) => {
+    if let Err(error) = submit(active, tools, &mut works, &regions) {
+        // The device is behind, short of memory, or lost: this frame shows the last pictures, and the next one tries again.
+        if error == GpuError::Timeout {
             error.log("the headset shows earlier images until the device catches up");
-            works.iter_mut().filter(|work| !work.has_picture()).for_each(|work| work.return_unwritten(next));
-            return Ok(());
-        }
-        // It is short of memory, or lost: this frame shows the last pictures, and the next one tries again.
-        Err(error) => {
+        } else {
             error.log("the headset shows earlier images, or none, until the device accepts work again");
             tools.gpu.give_up();
-            let is_empty = |work: &Work<'_>, handle| work.swapchain.handle == handle && !work.has_picture();
-            let shows_empty = submission.shows_any(|handle| works.iter().any(|work| is_empty(work, handle)));
-            return if shows_empty { Err(Undeliverable) } else { Ok(()) };
         }
+        let is_empty = |work: &Work<'_>, handle| work.swapchain.handle == handle && !work.has_picture();
+        let shows_empty = submission.shows_any(|handle| works.iter().any(|work| is_empty(work, handle)));
+        return if shows_empty { Err(Undeliverable) } else { Ok(Pictures::Late) };
+    }
+    // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
+    unsafe { eye_buffers::analyze_written(frame, &works) };
+    if is_drawn_over {
+        // SAFETY: as above. The debug view is drawn last: no pass of the layer reads it.
+        unsafe { debug_view::draw(frame, &works) };
     }
     for work in &mut works {
         work.return_image(next, is_drawn_over);
     }
-    Ok(())
+    Ok(pictures)
 }
 
 /// Decides which rectangles of which swapchains are processed, and how.
@@ -354,7 +369,7 @@ fn process_layer(frame: &FrameEnd, tools: &Tools, layer: &Projection<'_>, works:
     }
 }
 
-/// Submits a frame's work. When that fails with processing, it is tried without, from then on.
+/// Submits a frame's work. After a failure other than a timeout, submits plain copies, for the rest of the session.
 fn submit(active: &Active, tools: &Tools, works: &mut Works, regions: &Regions) -> Result<(), GpuError> {
     let submit = |works: &Works| {
         let mut jobs: SmallVec<[ComposeJob; 8]> = SmallVec::new();

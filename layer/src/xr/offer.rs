@@ -23,7 +23,7 @@ mod spaces;
 pub use hooks::{
     current_profile, note_attached, note_event, note_suggestion, strip_eyes, suggest, synchronise,
 };
-pub use layers::PlacedLayers;
+pub use layers::placed_by_gaze;
 pub use properties::get_system_properties;
 pub use session::SessionOffer;
 pub use spaces::{GazeSpace, forget_all_of, forget_space};

@@ -142,9 +142,7 @@ impl Submission {
         let first = self.views.len();
         // SAFETY: the layer has a valid chain and `view_count` valid views, as `# Safety` demands.
         unsafe {
-            let is_flipped = extending(layer.next)
-                .find::<xr::CompositionLayerImageLayoutFB>()
-                .is_some_and(|layout| layout.flags.contains(FlipFlags::VERTICAL_FLIP));
+            let is_flipped = is_flipped(layer);
             let views = slice::from_raw_parts(layer.views, layer.view_count as usize);
             self.views.extend(views.iter().map(|view| ProjectionView::read(view, is_flipped)));
         }
@@ -254,8 +252,20 @@ pub fn fov(fov: &xr::Fovf) -> Fov {
     Fov { left: fov.angle_left, right: fov.angle_right, up: fov.angle_up, down: fov.angle_down }
 }
 
-fn upside_down(fov: Fov) -> Fov {
+/// A field of view with up and down exchanged.
+pub fn upside_down(fov: Fov) -> Fov {
     Fov { up: fov.down, down: fov.up, ..fov }
+}
+
+/// Whether the last row of a layer's images is the top (XR_FB_composition_layer_image_layout).
+///
+/// # Safety
+///
+/// The chain of the layer is valid.
+pub unsafe fn is_flipped(layer: &xr::CompositionLayerProjection) -> bool {
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    let layout = unsafe { extending(layer.next) }.find::<xr::CompositionLayerImageLayoutFB>();
+    layout.is_some_and(|layout| layout.flags.contains(FlipFlags::VERTICAL_FLIP))
 }
 
 /// The layer as a `T`; `None` if its header has another type.

@@ -24,7 +24,7 @@ pub use held_release::release_held;
 pub use images::{acquire_image, enumerate_images, release_image, wait_image};
 pub use ring::Newest;
 pub use substitute::Substitute;
-pub use target::Target;
+pub use target::{SubmittedView, Target};
 
 use super::dispatch::Next;
 use super::instance::next_of_any;

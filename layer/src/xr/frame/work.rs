@@ -50,7 +50,7 @@ impl<'a> Work<'a> {
         let newest = substitute.ring().newest()?;
         let mut target = substitute.target();
         target.images()?;
-        target.regions.clear();
+        target.begin(newest.fresh);
         Some(Self {
             swapchain,
             target,
@@ -187,13 +187,6 @@ impl<'a> Work<'a> {
         match self.target.release(next, self.swapchain.handle, is_drawn_over) {
             Ok(()) => self.substitute.ring().mark_shown(self.newest.release),
             Err(result) => tracing::debug!("an image was not returned to the runtime: {result:?}"),
-        }
-    }
-
-    /// Gives the image back to the runtime unwritten; the picture stays fresh, so the next frame writes it.
-    pub fn return_unwritten(&mut self, next: &Next) {
-        if let Err(result) = self.target.release_unwritten(next, self.swapchain.handle) {
-            tracing::debug!("an unwritten image was not returned to the runtime: {result:?}");
         }
     }
 }

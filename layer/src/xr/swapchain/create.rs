@@ -62,7 +62,10 @@ pub unsafe extern "system" fn create(
                     done = (below(&xr::SwapchainCreateInfo { usage_flags, ..*asked }), usage_flags);
                     if done.0.into_raw() >= 0 {
                         if usages.first() != Some(&usage_flags) {
-                            tracing::info!("the runtime accepts no more swapchain usage: {:?}", before.0);
+                            tracing::info!(
+                                "the runtime refused additional swapchain usage flags: {:?}",
+                                before.0
+                            );
                         }
                         break;
                     }
@@ -164,7 +167,7 @@ unsafe fn plan(
         false => compose.prepare(shape.format),
     };
     prepared.map_err(|error| {
-        error.log(&format!("swapchains of format {:?} are left alone", shape.format));
+        error.log(&format!("swapchains of format {:?} stay unchanged", shape.format));
         NotSubstituted::Format(shape.format)
     })?;
     Ok(shape)
@@ -183,7 +186,7 @@ fn track(
         Ok(shape) => substitute(session, (active, config), handle, &shape, vulkan_usage(usage_flags)),
         Err(NotSubstituted::NoWork) => None,
         Err(reason) => {
-            tracing::info!("swapchain left alone: {reason}");
+            tracing::info!("swapchain unchanged: {reason}");
             None
         }
     };
@@ -222,12 +225,12 @@ fn substitute(
     let tools = active.tools()?;
     let images = runtime_images(session, handle)
         .inspect_err(|result| {
-            tracing::warn!("swapchain left alone: xrEnumerateSwapchainImages returned {result:?}");
+            tracing::warn!("swapchain unchanged: xrEnumerateSwapchainImages returned {result:?}");
         })
         .ok()?;
     let least = if session.may_reuse(config) { images_for_reuse(config) } else { 0 };
     let substitute = Substitute::new(&tools.gpu, shape, (images, granted), least)
-        .inspect_err(|error| error.log("swapchain left alone"))
+        .inspect_err(|error| error.log("swapchain unchanged"))
         .ok()?;
     if let Some(reason) = substitute.refused {
         tracing::info!("no re-use in a swapchain: {reason}");

@@ -42,7 +42,9 @@ impl fmt::Display for NotSubstituted {
             Self::Kind { samples, mips, faces } => {
                 write!(f, "{samples} samples, {mips} mip levels, {faces} faces")
             }
-            Self::Size([width, height]) => write!(f, "{width}x{height} pixels are no size of eye buffers"),
+            Self::Size([width, height]) => {
+                write!(f, "{width}x{height} pixels is not the size of an eye buffer")
+            }
             Self::Format(format) => write!(f, "format {format:?}"),
             Self::Chain(structure) => write!(f, "unknown structure {structure:?}"),
             Self::Usage(result) => write!(f, "the runtime refused additional usage flags: {result:?}"),

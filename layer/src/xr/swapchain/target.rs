@@ -1,12 +1,14 @@
 //! The runtime's side of a virtual swapchain: its images, of which one at a time is ours to write to.
 
 use crate::kernels::compose::{ComposeRegion, RuntimeImages};
+use crate::planner::View;
 use crate::xr::dispatch::Next;
 use openxr_sys as xr;
+use smallvec::SmallVec;
 use std::ptr;
 
 /// Time that a frame waits for the runtime to finish with an image, nanoseconds: 2 ms, a fifth of a frame
-/// at 90 Hz. After that the last image is submitted again.
+/// at 90 Hz. After that the last image is submitted again, with its own views.
 const PATIENCE_NANOS: i64 = 2_000_000;
 
 /// Room for regions without allocation: four views of two projection layers.
@@ -22,12 +24,29 @@ enum Held {
     Ready(u32),
 }
 
+/// A view in which a picture is submitted.
+#[derive(Clone, Copy, Debug)]
+pub struct SubmittedView {
+    /// Number of its layer among the projection layers, and its own in the layer.
+    pub place: [usize; 2],
+    /// The space of the layer.
+    pub space: xr::Space,
+    /// Pose and field of view.
+    pub view: View,
+    /// The part of the image.
+    pub sub_image: xr::SwapchainSubImage,
+}
+
 /// The runtime's images, and the regions written to the shown one.
 pub struct Target {
     images: Option<RuntimeImages>,
     /// Regions to process in this frame.
     pub regions: Vec<ComposeRegion>,
     shown: Vec<ComposeRegion>,
+    /// The views of this frame.
+    pub views: SmallVec<[SubmittedView; 2]>,
+    shown_views: SmallVec<[SubmittedView; 2]>,
+    is_late: bool,
     held: Held,
     has_picture: bool,
     is_drawn_over: bool,
@@ -40,6 +59,9 @@ impl Target {
             images: Some(images),
             regions: Vec::with_capacity(REGIONS),
             shown: Vec::with_capacity(REGIONS),
+            views: SmallVec::new(),
+            shown_views: SmallVec::new(),
+            is_late: false,
             held: Held::Nothing,
             has_picture: false,
             is_drawn_over: false,
@@ -54,6 +76,26 @@ impl Target {
     /// Lets the images go, after the work of ours that uses them.
     pub fn let_go(&mut self) {
         self.images = None;
+    }
+
+    /// Begins a frame, for which the application released a new picture or not.
+    pub fn begin(&mut self, is_new: bool) {
+        self.regions.clear();
+        self.views.clear();
+        self.is_late = is_new;
+    }
+
+    /// The view of the runtime's picture, in place of this frame's view there; `None` unless the picture of this frame is late.
+    pub fn view_of_earlier(
+        &self,
+        place: [usize; 2],
+        space: xr::Space,
+        array_layer: u32,
+    ) -> Option<&SubmittedView> {
+        let is_there = |view: &&SubmittedView| {
+            (view.place, view.space, view.sub_image.image_array_index) == (place, space, array_layer)
+        };
+        self.shown_views.iter().find(is_there).filter(|_| self.is_late)
     }
 
     /// Whether the runtime has a picture to show.
@@ -125,29 +167,14 @@ impl Target {
         swapchain: xr::Swapchain,
         is_drawn_over: bool,
     ) -> Result<(), xr::Result> {
-        self.give_back(next, swapchain)?;
-        self.is_drawn_over = is_drawn_over;
-        self.shown.clone_from(&self.regions);
-        Ok(())
-    }
-
-    /// Returns the image of [`Self::take`] unwritten, for a runtime that would refuse the frame without one.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Self::release`].
-    pub fn release_unwritten(&mut self, next: &Next, swapchain: xr::Swapchain) -> Result<(), xr::Result> {
-        self.give_back(next, swapchain)?;
-        self.is_drawn_over = false;
-        self.shown.clear();
-        Ok(())
-    }
-
-    fn give_back(&mut self, next: &Next, swapchain: xr::Swapchain) -> Result<(), xr::Result> {
         // SAFETY: the next layer's function and a live swapchain.
         succeeded(unsafe { (next.release_swapchain_image)(swapchain, ptr::null()) })?;
         self.held = Held::Nothing;
         self.has_picture = true;
+        self.is_drawn_over = is_drawn_over;
+        self.is_late = false;
+        self.shown.clone_from(&self.regions);
+        self.shown_views.clone_from(&self.views);
         Ok(())
     }
 }
@@ -160,9 +187,9 @@ fn succeeded(result: xr::Result) -> Result<xr::Result, xr::Result> {
 mod tests {
     use super::*;
     use crate::xr::tests::fake::{frames, next_pointer};
-    use ash::vk;
+    use glam::{Quat, Vec3};
     use openxr_sys::{Handle, pfn};
-    use parafovea_core::kernels::compose::ComposeParams;
+    use parafovea_core::geometry::Fov;
     use std::ffi::c_void;
 
     /// The stand-in for the runtime.
@@ -179,25 +206,44 @@ mod tests {
     }
 
     #[test]
-    fn an_unwritten_image_shows_no_region() {
+    fn a_late_picture_has_the_view_of_the_shown_one() {
+        let space = xr::Space::from_raw(7);
+        let view = |left| SubmittedView {
+            place: [0, 1],
+            space,
+            view: View {
+                orientation: Quat::IDENTITY,
+                position: Vec3::ZERO,
+                fov: Fov { left, right: 1.0, up: 1.0, down: -1.0 },
+            },
+            // SAFETY: plain data, for which all zero is a valid value.
+            sub_image: unsafe { std::mem::zeroed() },
+        };
         let mut target = Target {
             images: None,
-            regions: vec![ComposeRegion {
-                array_layer: 0,
-                rect: vk::Rect2D::default(),
-                params: ComposeParams::neutral([0; 2], [8; 2]),
-            }],
+            regions: Vec::new(),
             shown: Vec::new(),
+            views: SmallVec::new(),
+            shown_views: SmallVec::new(),
+            is_late: false,
             held: Held::Ready(0),
             has_picture: false,
             is_drawn_over: false,
         };
-        let (next, swapchain) = (next(), xr::Swapchain::from_raw(1));
-        target.release_unwritten(&next, swapchain).unwrap();
-        assert!(target.has_picture(), "the runtime accepts the frame");
-        assert!(target.is_outdated() && target.held == Held::Nothing);
-        target.held = Held::Ready(1);
-        target.release(&next, swapchain, false).unwrap();
-        assert!(!target.is_outdated());
+        let left = |target: &Target, place, space| {
+            target.view_of_earlier(place, space, 0).map(|earlier| earlier.view.fov.left)
+        };
+        target.begin(true);
+        target.views.push(view(-1.0));
+        assert_eq!(left(&target, [0, 1], space), None, "nothing is shown yet");
+        target.release(&next(), xr::Swapchain::from_raw(1), false).unwrap();
+        assert_eq!(left(&target, [0, 1], space), None, "the picture of the frame");
+        target.begin(true);
+        target.views.push(view(-0.5));
+        assert_eq!(left(&target, [0, 1], space), Some(-1.0));
+        assert_eq!(left(&target, [0, 0], space), None, "another view");
+        assert_eq!(left(&target, [0, 1], xr::Space::from_raw(8)), None, "another space");
+        target.begin(false);
+        assert_eq!(left(&target, [0, 1], space), None, "the application shows its last picture again");
     }
 }

@@ -2,6 +2,7 @@ use super::*;
 use crate::inputs::gaze::direction;
 use glam::{Quat, Vec3};
 use std::mem::zeroed;
+use std::ptr;
 use xr::Handle;
 
 const SPACE_OF_GAZE: u64 = 1;
@@ -34,7 +35,7 @@ fn placed<T: Copy>(layer: T, change: impl Fn(&mut T)) -> T {
     // SAFETY: each caller passes a composition layer, which begins with the header, with views that outlive the call.
     unsafe {
         let header = &*ptr::from_ref(&layer).cast::<xr::CompositionLayerBaseHeader>();
-        let mut copy = Copied::placed(header, xr::Space::from_raw(SPACE_OF_HEAD), gaze()).unwrap();
+        let mut copy = moved(header, xr::Space::from_raw(SPACE_OF_HEAD), gaze()).unwrap();
         *copy.header().cast::<T>()
     }
 }
@@ -135,7 +136,7 @@ fn each_view_of_a_projection_is_placed_by_the_gaze() {
     // SAFETY: the layer is valid with its views, which outlive the copy.
     unsafe {
         let header = &*ptr::from_ref(&layer).cast::<xr::CompositionLayerBaseHeader>();
-        let mut copy = Copied::placed(header, xr::Space::from_raw(SPACE_OF_HEAD), gaze()).unwrap();
+        let mut copy = moved(header, xr::Space::from_raw(SPACE_OF_HEAD), gaze()).unwrap();
         let copy = *copy.header().cast::<xr::CompositionLayerProjection>();
         assert_ne!(copy.views, views.as_ptr(), "the application's own stay as they are");
         assert_in_head((*copy.views).pose, copy.space);
@@ -151,7 +152,7 @@ fn a_layer_of_an_unknown_type_stays_as_it_is() {
     // SAFETY: the structure begins with the header, and nothing else of it is read.
     let copy = unsafe {
         let header = &*ptr::from_ref(&layer).cast::<xr::CompositionLayerBaseHeader>();
-        Copied::placed(header, xr::Space::from_raw(SPACE_OF_HEAD), gaze())
+        moved(header, xr::Space::from_raw(SPACE_OF_HEAD), gaze())
     };
     assert!(copy.is_none());
 }
