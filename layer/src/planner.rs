@@ -77,7 +77,7 @@ pub struct SessionPlanner {
     keeps_history: [bool; 2],
     /// The display time of this frame, from xrWaitFrame.
     begun_ns: Option<i64>,
-    /// Reasons for which the tracker was not believed, each of [`Rejection::ALL`].
+    /// For each reason of [`Rejection::ALL`], whether a sample was rejected for it.
     rejected: [bool; Rejection::ALL.len()],
     last_look: LastLook,
     /// The newest answer of the eye tracker with its time, nanoseconds, until it is taken.
@@ -173,7 +173,7 @@ impl SessionPlanner {
             || self.chroma(config, can_attenuate).is_some()
     }
 
-    /// A frame goes by without a plan.
+    /// Skips a frame: forgets the planner and the uploaded maps.
     pub fn idle(&mut self) {
         self.planner = None;
         self.uploaded.forget();
@@ -228,7 +228,7 @@ impl SessionPlanner {
         self.gaze.rejection().filter(|rejection| *rejection != Rejection::NotTracked)
     }
 
-    /// Takes the sound of now, as far as it can be relied on.
+    /// Sets the current features of the sound; `None` if they are unknown or unreliable.
     pub fn listen(&mut self, features: Option<AudioFeatures>) {
         self.audio = features;
     }

@@ -1,7 +1,7 @@
 //! Installation of the layer for one user, and its removal: a plan of steps, which can be printed, and the steps.
 //!
 //! The library is copied into `$XDG_DATA_HOME/parafovea`, so that the build folder may go, and both manifests
-//! name that one copy by its absolute path. The library that listens is copied beside it, where it was built: without
+//! name that one copy by its absolute path. The sound capture library is copied beside it, where it was built: without
 //! it there is no sound, and all else works.
 
 mod error;
@@ -163,7 +163,7 @@ fn installed_library(path: &Path) -> Result<Option<Vec<u8>>, InstallError> {
     }
 }
 
-/// The library that listens at `path`, if there is one.
+/// The sound capture library at `path`, if there is one.
 fn installed_audio(path: &Path) -> Result<Option<Vec<u8>>, InstallError> {
     match present(path)? {
         Some(bytes) if !is_audio(&bytes) => Err(InstallError::NotOurs(path.to_owned())),

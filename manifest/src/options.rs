@@ -322,7 +322,7 @@ options! {
         mode: RatesMode = RatesMode::Auto;
         /// Backend for shading rates.
         backend: RatesBackend = RatesBackend::Auto;
-        /// Automatic removal of shading rates, or of re-use, if it does not save time; each is judged separately.
+        /// Policy for shading rates and re-use that do not save time; the two are judged separately.
         gate: RatesGate = RatesGate::Auto;
         /// Rules that name the scene's render passes; empty for automatic recognition.
         passes: PassRules = PassRules::default();

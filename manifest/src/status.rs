@@ -217,9 +217,9 @@ pub struct Sound {
 #[serde(default)]
 pub struct Rates {
     /// Share of the tiles of both eyes at each rate that passes obeyed, such as `("4x4", 0.3)`, the coarsest first: the device's rates; of
-    /// a mask "1x1", and "skipped" for its unshaded blocks of 4x4 pixels; all "1x1" if every pass was left alone. Empty without maps.
+    /// a mask "1x1", and "skipped" for its unshaded blocks of 4x4 pixels; all "1x1" if no pass was changed. Empty without maps.
     pub tiles: Vec<(String, f32)>,
-    /// Share of the pixels that passes shaded: 0..=1; 1 where every pass was left alone.
+    /// Share of the pixels that passes shaded: 0..=1; 1 where no pass was changed.
     pub shaded: f32,
     /// Whether the GPU decides each tile by the image's contrast: then `tiles` and `shaded` are those for unknown contrast, and only the
     /// GPU has the real ones.

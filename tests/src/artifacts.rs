@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub enum Library {
     /// The layer, both halves.
     Parafovea,
-    /// The library that listens, which the layer loads from beside itself.
+    /// The sound capture library, which the layer loads from beside itself.
     Audio,
     /// The mock OpenXR runtime.
     MockRuntime,

@@ -125,7 +125,7 @@ impl Run {
         self
     }
 
-    /// Installs the library that listens, beside the layer's.
+    /// Installs the sound capture library, beside the layer's.
     ///
     /// # Errors
     /// [`HarnessError::NotBuilt`].
@@ -335,7 +335,7 @@ impl Run {
     }
 }
 
-/// Puts the layer and the library that listens beside each other, as they are installed.
+/// Puts the layer and the sound capture library beside each other, as they are installed.
 fn link_with_audio_library(folder: &Path) -> Result<PathBuf, HarnessError> {
     let link = |from: PathBuf, name: &str| {
         let to = folder.join(name);

@@ -39,8 +39,8 @@ uniform! {
         /// Units in which contrast is judged: 0 if only the rings count, 1
         /// [`CastleCsf`](crate::avpm::SensitivityUnit::CastleCsf), 2 [`Tursun`](crate::avpm::SensitivityUnit::Tursun).
         pub sensitivity: u32,
-        /// Frames in which each tile where contrast is judged is seen at full rate once, so that detail which only
-        /// its finest octaves hold is found; 0: never. See [`Self::with_full_rate_period`].
+        /// Period of the frames at full rate of each tile with judged contrast: they reveal detail in its finest octaves
+        /// alone; 0: never. See [`Self::with_full_rate_period`].
         pub full_rate_period: u32,
         /// [`ImagePlane::origin`](crate::geometry::ImagePlane::origin) of the view.
         pub plane_origin: [f32; 2],
@@ -63,8 +63,8 @@ uniform! {
         pub has_stale: u32,
         /// [`Self::budget`] of tiles whose rate changed less than [`STEADY_MS`] ago.
         pub holding_budget: f32,
-        /// From a point on the plane one unit ahead, (x, y, 1), to the column of tiles in which its contrast was measured, times
-        /// the third of these.
+        /// First row of the homography from points (x, y, 1) on the plane one unit ahead to the tiles of measured contrast: its
+        /// product with a point is the column of tiles, times the product with `measured_depth`.
         pub measured_column: [f32; 3],
         /// Time since the frame before, milliseconds, 0..=100.
         pub elapsed_ms: u32,

@@ -25,8 +25,8 @@ pub(super) struct EyeMemory {
 }
 
 impl EyeMemory {
-    /// Makes room for the view as it is now, and forgets the tiles where its shape has changed. Returns the rotation from
-    /// the view's space to the common one, unless the view does not show anything that could be judged.
+    /// Adapts to the view, and resets the tiles if its shape has changed. Returns the rotation from the view's space to
+    /// the common one; `None` if the view has no area or no direction.
     ///
     /// A view that only turns keeps its tiles: orientations that are computed from poses tremble in their last bits.
     pub(super) fn set_view(&mut self, input: &EyeInput, texel: [u32; 2], out: &mut EyePlan) -> Option<Quat> {

@@ -50,9 +50,9 @@ pub(super) struct SafetyState {
 }
 
 impl SafetyState {
-    /// The safety limits of the frame that is shown at `time_ns`; `by_contrast`, where contrast may decide, is the turn of the head since the
-    /// frame before in tiles: such a part of each tile shows another part of the world, whose rate does not change by the tile's. All numbers of `settings` are usable
-    /// ([`SafetySettings::usable`]).
+    /// Computes the safety limits of the frame with display time `time_ns`. `by_contrast`, if contrast may decide: rotation of the head since
+    /// the previous frame, in tiles. That share of each tile shows new content and adds to the permitted coarsening. All numbers of
+    /// `settings` are usable ([`SafetySettings::usable`]).
     pub(super) fn frame(
         &mut self,
         settings: &SafetySettings,
@@ -97,7 +97,7 @@ impl SafetyState {
         elapsed_ns.clamp(0, LONGEST_FRAME_NS) as f32 * 1e-9
     }
 
-    /// With a speed in octaves a second, and this part of a tile's picture new.
+    /// Computes the permitted coarsening, in [`STEPS_PER_OCTAVE`], at `speed` octaves a second, with a share `new` of new content in a tile.
     fn coarsening(&mut self, speed: f32, seconds: f32, new: f32, allowed: bool) -> u32 {
         if speed == f32::INFINITY {
             return u32::from(u8::MAX);

@@ -60,7 +60,7 @@ pub struct AudioVisual {
     pub allocation: Allocation,
     /// The map in silence, if [`BudgetSettings`] asks for it, and if sound or contrast is not known.
     pub fixed: FixedFoveation,
-    /// Map below whose rates contrast and sound do not lead; the paper has none.
+    /// Coarsest rates for contrast and sound, as rings; `None`, as in the paper, for no limit.
     pub cap: Option<FixedFoveation>,
     /// Greatest loss of visible contrast of a tile that any sound leads to, >= 0 or infinite, in the units of the sensitivity function in
     /// use: with castleCSF 1 is a just-noticeable loss. NaN counts as 0. See [`Self::budget_with`].

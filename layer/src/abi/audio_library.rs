@@ -1,4 +1,4 @@
-//! The library that listens, beside this one: loaded when sound is asked for, never unloaded.
+//! The sound capture library, beside this one: loaded when sound is asked for, never unloaded.
 
 use super::own_folder::own_folder;
 use parafovea_manifest::audio_library::{
@@ -33,7 +33,7 @@ pub enum NotLoaded {
 /// The longest line of its log, bytes.
 const LONGEST_LINE: usize = 1024;
 
-/// A capture in the library that listens; ends when it is dropped.
+/// A capture in the sound capture library; ends when it is dropped.
 pub struct Capture {
     table: CaptureTable,
     handle: Handle,

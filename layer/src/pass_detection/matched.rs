@@ -127,7 +127,7 @@ impl fmt::Display for Unmatched {
             Self::NoColour => "no colour: a shadow map or a depth pre-pass",
             Self::Cube => "a cube map",
             Self::Level(level) => return write!(f, "draws into mip level {level}"),
-            Self::Flat => "shown in a quad layer or another layer without projection",
+            Self::Flat => "shown in a composition layer other than a projection layer",
             Self::NotShown => "draws into a part of a swapchain that no projection layer shows",
             Self::Inset => "an inset of quad views",
             Self::UnknownImage => "its image is unknown",

@@ -94,7 +94,7 @@ impl fmt::Display for Unmasked {
             Self::Secondary => "recorded in a secondary command buffer",
             Self::ComputeState => "the compute state could not be restored after it",
             Self::GraphicsState => "the graphics state could not be restored after it",
-            Self::History => "no depth attachment, and its images take turns, as those of a history do",
+            Self::History => "no depth attachment, and its images alternate between frames, like a history",
             Self::RenderPass => "the render pass cannot be changed",
             Self::Layouts => "depth and stencil are in different layouts",
             Self::Area => "the render area is not a valid region for copies",

@@ -214,7 +214,7 @@ mod tests {
         let unmatched = Known { had_maps: false, ..NONE };
         assert!(why(&config, &seen(), &unmatched).contains("no render pass was recognised"));
         // Words in a line mean nothing: only topics count.
-        let other = [decision(Topic::OtherPass, "pass 8x8: the scene: left alone by the mask backend")];
+        let other = [decision(Topic::OtherPass, "pass 8x8: the scene: no mask")];
         let line = why(&config, &seen(), &Known { decisions: &other, ..unmatched });
         assert!(line.contains("no render pass was recognised"), "{line}");
         let multisampled = || Topic::NoMask("depth is multisampled".to_owned());
@@ -239,9 +239,9 @@ mod tests {
 
         let mut reusing = config;
         (reusing.rates.mode, reusing.reuse.mode) = (RatesMode::Off, ReuseMode::Paper);
-        let decisions = [decision(Topic::Feedback, "re-use: left alone: a filter")];
+        let decisions = [decision(Topic::Feedback, "re-use: off, because a filter")];
         let line = why(&reusing, &dropped, &Known { decisions: &decisions, ..unmatched });
-        assert!(line.ends_with("re-use: left alone: a filter"), "{line}");
+        assert!(line.ends_with("re-use: off, because a filter"), "{line}");
 
         let mut fine = StatusSnapshot { tiles: [0; 16], ..seen() };
         fine.count(&[0, 0]);

@@ -46,7 +46,7 @@ impl Device {
         }
     }
 
-    /// A session is bound to it no more. Returns whether none is now.
+    /// Unbinds an OpenXR session. Returns whether it was the last one.
     pub fn unbind_session(&self) -> bool {
         let left = |sessions: u32| sessions.checked_sub(1);
         let is_last = self.sessions.fetch_update(Ordering::Relaxed, Ordering::Relaxed, left) == Ok(1);
@@ -77,7 +77,7 @@ static DEVICES: Registry<DispatchKey, Device> = Registry::new();
 /// Devices of [`DEVICES`], found without a lock.
 static QUICK_DEVICES: DeviceSlots = DeviceSlots::new();
 
-/// A live device, for the time of a call that has it.
+/// A live device during a call on one of its objects.
 pub enum KnownDevice<'a> {
     /// Found without a lock; it does not end during the call (external synchronization of vkDestroyDevice).
     Quick(&'a Device),

@@ -16,7 +16,9 @@ use std::process::ExitCode;
 enum Failure {
     #[error(transparent)]
     Install(#[from] InstallError),
-    #[error("neither XDG_DATA_HOME nor HOME names an absolute path, so there is no folder to install into")]
+    #[error(
+        "no folder to install into: neither XDG_DATA_HOME nor HOME is an absolute path; set HOME to your home folder"
+    )]
     NoHome,
     #[error("{LIBRARY_NAME} is in none of these places: {}; give its path with --library", list(.0))]
     NoLibrary(Vec<PathBuf>),

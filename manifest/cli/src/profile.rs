@@ -62,9 +62,13 @@ pub enum Command {
 /// Reason why nothing was done.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
-    #[error("neither XDG_CONFIG_HOME nor HOME names an absolute path, so there is no folder for profiles")]
+    #[error(
+        "no folder for profiles: neither XDG_CONFIG_HOME nor HOME is an absolute path; set HOME to your home folder"
+    )]
     NoHome,
-    #[error("{0:?} cannot be used as a file name")]
+    #[error(
+        "{0:?} is not an application name; allowed: the OpenXR application name, or the name of the executable"
+    )]
     NoName(String),
     #[error(
         "{0} is a path; give the application's name for OpenXR, or the name of its executable without folders"

@@ -23,7 +23,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         .collect()
 }
 
-/// The library that listens lies beside the layer.
+/// The sound capture library lies beside the layer.
 fn library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> {
     let layer = layers.library(surroundings, Half::OpenXr)?.canonicalize().ok()?;
     let path = layer.with_file_name(AUDIO_LIBRARY_NAME);

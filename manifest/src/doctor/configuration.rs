@@ -35,7 +35,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
         }
     }
     if let Some(config) = config {
-        findings.extend(of_config(&config));
+        findings.extend(of_config(&config, file.as_deref()));
     }
     findings
 }
@@ -91,13 +91,15 @@ fn all_files(surroundings: &Surroundings, in_force: &Option<PathBuf>) -> Vec<Pat
     files
 }
 
-fn of_config(config: &Config) -> Vec<Finding> {
+/// Settings of the file in force with which a technique or a source has no effect.
+fn of_config(config: &Config, file: Option<&Path>) -> Vec<Finding> {
+    let in_file = |text: String| file.map_or(text.clone(), |file| format!("{}: {text}", file.display()));
     let mut findings = Vec::new();
     if !config.enabled {
         findings.push(
             Finding::warning(
                 "turned-off",
-                "the configuration has enabled = false",
+                in_file("enabled = false".to_owned()),
                 "Parafovea is loaded, but has no effect.",
             )
             .advise("set enabled = true, or remove that line"),
@@ -107,19 +109,19 @@ fn of_config(config: &Config) -> Vec<Finding> {
         (config.gaze.source == GazeSource::File, "gaze.file", config.gaze.file),
         (config.audio.source == AudioSource::File, "audio.file", config.audio.file),
     ];
-    for (is_used, key, file) in files {
-        let is_there = file.path().is_some_and(|path| fs::File::open(path).is_ok());
+    for (is_used, key, source) in files {
+        let is_there = source.path().is_some_and(|path| fs::File::open(path).is_ok());
         if is_used && !is_there {
             findings.push(
                 Finding::problem(
                     "file-missing",
-                    match file.path() {
+                    in_file(match source.path() {
                         Some(path) => format!("{key} is {}, which cannot be read", path.display()),
                         None => format!("{key} is empty, but source = \"file\""),
-                    },
+                    }),
                     "The source has no data.",
                 )
-                .advise(format!("correct {key}")),
+                .advise(format!("set {key} to the absolute path of a readable file")),
             );
         }
     }

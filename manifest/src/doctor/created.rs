@@ -42,7 +42,7 @@ fn crashes(reason: &str) -> Finding {
 /// A fault without the layer, too.
 fn no_device(found: String, means: &str) -> Finding {
     Finding::warning("device-refused", found, means)
-        .advise("update or reinstall the driver; with several GPUs, check the choice of the game")
+        .advise("update or reinstall the driver of the GPU; with several GPUs, check that the game uses the right one")
 }
 
 /// A device that was created with the layer, or was not, and the same one without the layer, if that is known.
@@ -52,7 +52,7 @@ fn of_device(device: &CreatedDevice, without: Option<&CreatedDevice>) -> Finding
         Some(failure) if without.is_some_and(|without| without.failure.is_none()) => Finding::problem(
             "no-device-with-layer",
             format!("{name}: no device can be created with the layer: {failure}"),
-            "Without the layer, it can. Games that use this GPU do not start with Parafovea.",
+            "Without the layer, a device can be created. Games that use this GPU do not start with Parafovea.",
         )
         .advise("play without PARAFOVEA=1, and report this with the output of parafovea doctor --json"),
         Some(failure) => no_device(

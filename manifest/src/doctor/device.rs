@@ -53,7 +53,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
 }
 
 fn unknown(what: &str, reason: &str) -> Finding {
-    Finding::note("cannot-check", format!("not checked: {what}: {reason}"), "")
+    Finding::note("cannot-check", format!("cannot check the {what}: {reason}"), "The other findings hold.")
 }
 
 fn not_listed(half: Half) -> Finding {
@@ -125,7 +125,7 @@ fn of_device(device: &Device) -> Option<Finding> {
         "4x4" => Finding::good("shading-rates", found),
         _ => {
             let means =
-                format!("The periphery is never coarser than {coarsest}, whatever the configuration.");
+                format!("The periphery is never coarser than {coarsest}, regardless of rates.peripheral.");
             Finding::note("shading-rates", found, means)
         }
     })

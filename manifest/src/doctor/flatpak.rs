@@ -47,7 +47,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Option<Finding> {
         (true, false) => return settings_hidden(surroundings),
         (true, true) => (
             "the Flatpak of Steam has another build of Parafovea",
-            "Its games have their own home folder, which is not updated with yours.",
+            "Its games use a copy in their own home folder; an update in your home folder does not reach it.",
         ),
         (false, _) => (
             "Steam is installed as a Flatpak",

@@ -50,7 +50,7 @@ fn suitable(surroundings: &Surroundings, config: &Config) -> Option<Finding> {
                 "the headset tracks eyes, but gaze.source = \"{}\" does not use its eye tracker",
                 config.gaze.source.name()
             ),
-            "Shading rates follow another gaze, or none.",
+            "Shading rates follow OSC packets (\"osc\"), or stay around the axis of each lens (\"centre\").",
         )
         .advise("set gaze.source = \"auto\", which uses the best available source")
     })

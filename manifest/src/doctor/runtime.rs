@@ -59,7 +59,7 @@ fn of_manifest(surroundings: &Surroundings, path: &Path) -> Finding {
         return wrong("is not JSON".to_owned());
     };
     let Some(library) = file["runtime"]["library_path"].as_str() else {
-        return wrong("names no runtime library".to_owned());
+        return wrong("has no value runtime.library_path".to_owned());
     };
     let real = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let is_there = match library.contains('/') {

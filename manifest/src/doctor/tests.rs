@@ -168,6 +168,18 @@ fn impossible_checks_are_named_and_are_no_fault() {
     );
 }
 
+/// A player with several files needs to know which of them to edit.
+#[test]
+fn findings_about_a_setting_name_its_file() {
+    for (text, id) in [("enabled = false", "turned-off"), ("[audio]\nsource = 'file'", "file-missing")] {
+        let machine = Machine::new();
+        machine.put("home/.config/parafovea/config.toml", text);
+        let findings = machine.findings();
+        let finding = findings.iter().find(|finding| finding.id == id).unwrap();
+        assert!(finding.found.contains("/.config/parafovea/config.toml: "), "{finding:?}");
+    }
+}
+
 /// As RADV answers on RDNA2.
 #[test]
 fn capabilities_and_quirks_of_the_gpu_are_reported() {

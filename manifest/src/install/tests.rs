@@ -157,7 +157,7 @@ fn folders_with_something_else_in_them_stay() {
 }
 
 #[test]
-fn the_library_that_listens_is_installed_from_beside_the_layer_and_goes_with_it() {
+fn the_sound_capture_library_is_installed_from_beside_the_layer_and_goes_with_it() {
     let machine = Machine::new();
     let built = machine.folder.path().join(AUDIO_LIBRARY_NAME);
     let installed = audio_library_path(&machine.data());

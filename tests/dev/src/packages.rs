@@ -83,7 +83,7 @@ impl Proof {
     }
 }
 
-/// Everything that the tasks look for. None is needed to build, but for the library that listens: see [`can_build_audio`].
+/// Everything that the tasks look for. None is needed to build, but for the sound capture library: see [`can_build_audio`].
 pub const NEEDS: [Need; 19] = [
     Need {
         what: "lavapipe, a Vulkan driver that renders on the CPU",

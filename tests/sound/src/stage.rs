@@ -33,7 +33,7 @@ pub fn configuration(audio: &str) -> String {
     )
 }
 
-/// hello_xr, with small pictures, in real time, from an installation with the library that listens.
+/// hello_xr, with small pictures, in real time, from an installation with the sound capture library.
 ///
 /// # Errors
 /// Something is not installed or not built.

@@ -38,7 +38,7 @@ fn run(change: impl FnOnce(Run) -> Run) -> Outcome {
 }
 
 #[test]
-fn without_the_library_that_listens_everything_else_works() {
+fn without_the_sound_capture_library_everything_else_works() {
     let config = configuration("source = \"system\"");
     let untouched = run(|run| run);
     // Copies of the layer, and nothing beside them.

@@ -57,7 +57,7 @@ impl Decision {
     }
 
     fn left_alone(why: &str) -> Self {
-        Self { engaged: false, decided: format!("left alone: {why}") }
+        Self { engaged: false, decided: format!("unchanged: {why}") }
     }
 }
 
@@ -73,7 +73,7 @@ mod tests {
     fn status(is_kept: bool, ratio: Option<[f32; 3]>, passes_matched: u32) -> Status {
         let rates_gate = Gate { mode: "auto".to_owned(), is_kept, is_on_trial: false, ratio };
         let reason = "no depth attachment";
-        let line = format!("scene passes of 512x512: left alone by the mask backend: {reason}");
+        let line = format!("scene passes of 512x512: no mask: {reason}");
         let decisions = vec![decision(Topic::NoMask, reason, &line)];
         Status { backend: "mask".to_owned(), rates_gate, passes_matched, decisions, ..Status::default() }
     }
@@ -96,7 +96,7 @@ mod tests {
         let (engaged, dear) = told(&status(false, Some([1.3, 1.2, 1.4]), 0));
         assert!(
             !engaged
-                && dear.starts_with("left alone: ")
+                && dear.starts_with("unchanged: ")
                 && dear.contains("1.30 times the cost per frame (1.20 to 1.40)"),
             "{dear}"
         );
@@ -109,11 +109,7 @@ mod tests {
         let unmatched = told(&status(true, None, 0));
         assert_eq!(
             unmatched,
-            (
-                false,
-                "left alone: scene passes of 512x512: left alone by the mask backend: no depth attachment"
-                    .to_owned()
-            )
+            (false, "unchanged: scene passes of 512x512: no mask: no depth attachment".to_owned())
         );
         // A decision in favour of coarse shading is not a reason against it.
         let decisions = vec![
@@ -125,13 +121,13 @@ mod tests {
         let unrecognised = Status { decisions: Vec::new(), ..status(true, None, 0) };
         assert!(told(&unrecognised).1.contains("no render pass was recognised"));
         let inert = Status { inert: "Direct3D".to_owned(), ..status(true, None, 2) };
-        assert_eq!(told(&inert), (false, "left alone: Direct3D".to_owned()));
+        assert_eq!(told(&inert), (false, "unchanged: Direct3D".to_owned()));
         let backend = Status { backend: "none".to_owned(), ..status(true, None, 2) };
         assert!(told(&backend).1.contains("does not support coarser shading"));
         let refusals = ["no rate attachments", "no masks either: Vulkan 1.0"];
         let decisions = refusals.map(|line| decision(Topic::NoBackend, "", line)).into();
         let refused = Status { decisions, ..backend };
-        assert_eq!(told(&refused), (false, "left alone: no masks either: Vulkan 1.0".to_owned()));
+        assert_eq!(told(&refused), (false, "unchanged: no masks either: Vulkan 1.0".to_owned()));
         assert!(!Decision::of(None).engaged);
     }
 }

@@ -30,7 +30,7 @@ pub struct Parts {
     pub command: Vec<u8>,
     /// `parafovea-probe`.
     pub probe: Vec<u8>,
-    /// The libraries by their file names: the layer's, and that which listens, where it was built.
+    /// The libraries by their file names: the layer's, and the sound capture library, where it was built.
     pub libraries: Vec<(&'static str, Vec<u8>)>,
     /// Completions for bash, zsh and fish, and the manual page.
     pub generated: [Vec<u8>; 4],

@@ -246,7 +246,7 @@ pub fn print_table(findings: &[Finding]) {
     for finding in findings {
         println!("\n{}, gate {}: {}", finding.app, finding.gate, finding.reason);
         finding.passes.iter().for_each(|pass| println!("    recognised: {pass}"));
-        finding.refusals.iter().for_each(|reason| println!("    left alone: {reason}"));
+        finding.refusals.iter().for_each(|reason| println!("    unchanged: {reason}"));
         finding.limits.iter().for_each(|limit| println!("    safety limit: {limit}"));
         finding.messages.iter().flatten().for_each(|message| println!("    validation: {message}"));
     }

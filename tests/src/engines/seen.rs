@@ -168,8 +168,8 @@ mod tests {
         let decisions = vec![
             decision(Topic::OtherPass, "", "pass 64x64 D16_UNORM: not the scene: no colour"),
             decision(Topic::Scene, "", "pass 320x240 A"),
-            decision(Topic::NoMask, refused, "scene passes of 320x240: left alone"),
-            decision(Topic::NoMask, refused, "scene passes of 160x120: left alone"),
+            decision(Topic::NoMask, refused, "scene passes of 320x240: no mask"),
+            decision(Topic::NoMask, refused, "scene passes of 160x120: no mask"),
         ];
         let status = Status { decisions, ..Status::default() };
         let seen = Seen::of(OUTPUT, "", "", Some(status)).unwrap();

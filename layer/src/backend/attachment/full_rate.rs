@@ -61,21 +61,22 @@ impl Cause {
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Unknown => {
-                ("fragment shaders of unknown code", "as their results may count for each pixel")
+                ("fragment shaders of unknown code", "as they may need an invocation for each pixel")
             }
             Self::Stores => (
                 "fragment shaders that write to buffers or images, or use atomics",
                 "as a coarse fragment writes once for all of its pixels; rates.coarse_stores = true allows that",
             ),
-            Self::Interlock => {
-                ("fragment shader interlock", "as a coarse fragment has one turn for all of its pixels")
-            }
+            Self::Interlock => (
+                "fragment shader interlock",
+                "as a coarse fragment enters its critical section once for all of its pixels",
+            ),
             Self::PerSample => {
                 ("shading per sample", "as a coarse fragment has one colour for all of its samples")
             }
             Self::Integers => (
                 "integers in colour attachments",
-                "as a coarse fragment has one identifier for all of its pixels",
+                "as a coarse fragment writes one value, such as an object ID, for all of its pixels",
             ),
             Self::Holes => (
                 "alpha test (discard) or alpha to coverage",

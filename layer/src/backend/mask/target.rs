@@ -267,9 +267,7 @@ impl TargetMask {
                 ),
                 Err(reason) => decided(
                     Topic::NoMask(reason.to_string()),
-                    &format_args!(
-                        "scene passes of {width}x{height}: left alone by the mask backend: {reason}"
-                    ),
+                    &format_args!("scene passes of {width}x{height}: no mask: {reason}"),
                 ),
             }
         }

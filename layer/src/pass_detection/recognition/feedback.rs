@@ -56,9 +56,11 @@ impl fmt::Display for Feedback {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::None => "re-use: no pass reads images of earlier frames",
-            Self::Ahead => "re-use: left alone: the scene is drawn before the frame that shows it",
-            Self::Unknown => "re-use: left alone: a pass after the scene may read images of earlier frames",
-            Self::Read => "re-use: left alone: a pass reads images of earlier frames, as temporal filters do",
+            Self::Ahead => "re-use: off, because the scene is drawn before the frame that shows it",
+            Self::Unknown => "re-use: off, because a pass after the scene may read images of earlier frames",
+            Self::Read => {
+                "re-use: off, because a pass reads images of earlier frames, as temporal filters do"
+            }
         })
     }
 }

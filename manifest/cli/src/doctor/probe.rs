@@ -23,7 +23,11 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// All answers; the questions are asked at the same time.
 pub fn probe() -> Probed {
     let Some(program) = program() else {
-        let missing = || format!("{PROGRAM} is not in the folder of this program");
+        let missing = || {
+            format!(
+                "{PROGRAM} is missing beside this program and in ../lib/parafovea; install Parafovea again"
+            )
+        };
         return Probed {
             layers: Err(missing()),
             vulkan: Err(missing()),
@@ -93,7 +97,7 @@ impl Asked {
         let Ok(answer) = receiver.recv_timeout(PATIENCE) else {
             let _ = child.kill();
             let _ = child.wait();
-            return Err(format!("it took longer than {} seconds", PATIENCE.as_secs()));
+            return Err(format!("{PROGRAM} gave no answer within {} seconds", PATIENCE.as_secs()));
         };
         if let Some(answer) = answer {
             // It has said all, and ends: nothing that it left behind in the runtime is waited for.

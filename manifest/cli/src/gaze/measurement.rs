@@ -163,7 +163,9 @@ fn ask(
     // Frames with a dot have a gaze to look for.
     let gaze = status_of(environment, pid)?.gaze;
     if matches!(gaze.holder.as_str(), "centre" | "file") {
-        return Err(format!("no eye tracker to correct; the gaze is: {gaze}"));
+        return Err(format!(
+            "no eye tracker to correct (gaze: {gaze}); to check the source of the gaze: parafovea doctor"
+        ));
     }
     let number = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |time| time.as_nanos() as u64);
     ask_measurement(environment, pid, Some((kind, number))).map_err(refused)?;

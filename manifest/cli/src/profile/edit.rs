@@ -19,7 +19,7 @@ pub enum EditError {
     #[error("is not valid TOML and stays unchanged; to see the error: parafovea profile validate")]
     Syntax(#[from] TomlError),
     /// The name of a section has a value.
-    #[error("{0} is not a section in this file")]
+    #[error("{0} has a value in this file, but is a section; replace that line by the section [{0}]")]
     NoSection(&'static str),
 }
 

@@ -39,7 +39,7 @@ const KINDS: &[Kind] = &[
         about: &[
             "Unity games: one image for both eyes (double-wide, or an array of two layers), and off-screen render passes",
             "that may be upside-down.",
-            "If no render pass is recognised as the scene, name it in rates.passes, with its size from the log:",
+            "If recognition of the scene fails, name its render pass in rates.passes, with the size from the log:",
             "  passes = \"array 2048x2048\"",
         ],
         settings: &[Suited {
@@ -70,8 +70,8 @@ const KINDS: &[Kind] = &[
     Kind {
         name: "godot",
         about: &[
-            "Godot 4 games: Mobile draws both eyes in one multiview render pass; Forward+ draws several, then maps tones.",
-            "The rate attachment of a multiview pass has a layer for each eye, or the finer rates of both.",
+            "Godot 4 games: Mobile draws both eyes in one multiview render pass; Forward+ in several, then tone mapping.",
+            "The rate attachment of a multiview pass has one layer per eye, or one layer with the finer rate of both eyes.",
         ],
         settings: &[Suited {
             key: "preset",

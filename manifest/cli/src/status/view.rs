@@ -76,7 +76,7 @@ pub fn shown_view(
             _ if begin.elapsed() < PATIENCE => sleep(EVERY),
             (true, name, false) => {
                 return Err(format!(
-                    "\"{name}\" is not visible: {}. The log has details; parafovea status names it",
+                    "\"{name}\" is not visible: {}. For details, see the log; parafovea status prints its path",
                     super::text::why_not_drawn(&status)
                 ));
             }

@@ -305,7 +305,7 @@ const FAULTS: &[Fault] = &[
         false,
     ),
     (
-        "no library that listens",
+        "no sound capture library",
         |machine| {
             machine.remove(&audio_library_path(&machine.data()));
             machine.remove(&machine.path("build").join(AUDIO_LIBRARY_NAME));

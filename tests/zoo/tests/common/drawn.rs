@@ -23,7 +23,7 @@ const TILE_LIMIT: f64 = 1.0;
 
 /// Asserts that the log gives the style's [`History`].
 pub fn check_history(style: &Style, log: &str) {
-    let says = |line: &str| log.contains(&format!("re-use: left alone: {line}"));
+    let says = |line: &str| log.contains(&format!("re-use: off, because {line}"));
     let said = match (says("a pass reads images of earlier frames"), says("a pass after the scene may read"))
     {
         (true, _) => History::Blended,
