@@ -8,7 +8,7 @@ use crate::link::{AwaitedPlan, FrameStart};
 use std::ffi::c_void;
 use std::ptr;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 
 /// The thread of one session, from the first task on until the session ends.
@@ -29,6 +29,10 @@ pub struct SharedPlan {
     changed: Condvar,
     /// The core of the thread that handed over the newest task, which draws meanwhile; [`NO_CORE`] where it is not known.
     drawing_core: AtomicU32,
+    /// The core on which the session's thread ran last; [`NO_CORE`] while there is none, or it is not known.
+    planning_core: AtomicU32,
+    /// Cores of the session's thread.
+    cores: OnceLock<Cores>,
     work: PlanWork,
 }
 
@@ -60,6 +64,8 @@ impl PlanThread {
             stage: Mutex::default(),
             changed: Condvar::new(),
             drawing_core: AtomicU32::new(NO_CORE),
+            planning_core: AtomicU32::new(NO_CORE),
+            cores: OnceLock::new(),
             work,
         };
         Self { shared: Arc::new(shared), thread: Mutex::new(Thread::NotBegun) }
@@ -83,7 +89,7 @@ impl PlanThread {
             self.shared.work.plan(&task);
             return;
         }
-        self.shared.drawing_core.store(current_core().unwrap_or(NO_CORE), Ordering::Relaxed);
+        self.shared.draws_on(current_core().unwrap_or(NO_CORE));
         let is_planned = task.inputs.is_none();
         *self.shared.lock() = if is_planned { Stage::Planned(task) } else { Stage::Due(task) };
         if !is_planned {
@@ -189,9 +195,22 @@ impl SharedPlan {
         self.changed.wait(stage).unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// The application's thread draws on that core until the next task. If the system has moved it to the core of the session's thread, that
+    /// thread moves before it wakes up: it may have no other core, and would wait until the application's thread pauses.
+    fn draws_on(&self, core: u32) {
+        self.drawing_core.store(core, Ordering::Relaxed);
+        if core != NO_CORE
+            && core == self.planning_core.load(Ordering::Relaxed)
+            && let Some(cores) = self.cores.get()
+        {
+            cores.keep_off(core);
+        }
+    }
+
     /// Does tasks until the end, on another core than the application's thread.
     fn run(&self) {
-        let cores = Cores::of_this_thread();
+        let cores = self.cores.get_or_init(Cores::of_this_thread);
+        let _ended = Ended(&self.planning_core);
         let mut stage = self.lock();
         loop {
             let task = match std::mem::replace(&mut *stage, Stage::UnderWay) {
@@ -208,6 +227,7 @@ impl SharedPlan {
                 }
                 other => {
                     *stage = other;
+                    self.planning_core.store(current_core().unwrap_or(NO_CORE), Ordering::Relaxed);
                     drop(self.wait(stage));
                     // Before it takes the task, so that the application's thread need not wait for the move.
                     cores.leave(self.drawing_core.load(Ordering::Relaxed));
@@ -225,6 +245,15 @@ impl SharedPlan {
                 self.changed.notify_all();
             }
         }
+    }
+}
+
+/// The end of a session's thread, by a panic, too: its number may soon be of another one.
+struct Ended<'a>(&'a AtomicU32);
+
+impl Drop for Ended<'_> {
+    fn drop(&mut self) {
+        self.0.store(NO_CORE, Ordering::Relaxed);
     }
 }
 
