@@ -3,6 +3,8 @@
 mod recorded;
 mod slot;
 mod staging;
+#[cfg(test)]
+mod stand_in;
 mod submission;
 
 pub use slot::Slot;

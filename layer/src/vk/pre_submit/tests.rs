@@ -1,8 +1,7 @@
+use super::stand_in::{allocate, nothing, record};
 use super::*;
-use crate::config::Arming;
-use ash::vk::Handle;
 use std::cell::{Cell, RefCell};
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::{CStr, c_void};
 
 thread_local! {
     static MADE: Cell<u64> = const { Cell::new(0) };
@@ -10,10 +9,6 @@ thread_local! {
     static SUBMITTED: RefCell<Vec<vk::Fence>> = const { RefCell::new(Vec::new()) };
     /// Number of submits that the GPU is done with.
     static DONE: Cell<usize> = const { Cell::new(0) };
-}
-
-fn made() -> u64 {
-    MADE.replace(MADE.get() + 1) + 1
 }
 
 /// # Safety
@@ -26,20 +21,7 @@ unsafe extern "system" fn create(
     handle: *mut u64,
 ) -> vk::Result {
     // SAFETY: a place for the handle, as the call demands.
-    unsafe { *handle = made() };
-    vk::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn allocate(
-    _: vk::Device,
-    _: *const vk::CommandBufferAllocateInfo<'_>,
-    commands: *mut vk::CommandBuffer,
-) -> vk::Result {
-    // SAFETY: a place for one handle.
-    unsafe { *commands = vk::CommandBuffer::from_raw(made()) };
+    unsafe { *handle = MADE.replace(MADE.get() + 1) + 1 };
     vk::Result::SUCCESS
 }
 
@@ -65,15 +47,6 @@ unsafe extern "system" fn submit(
     vk::Result::SUCCESS
 }
 
-/// All other functions: they do nothing.
-///
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn nothing() -> vk::Result {
-    vk::Result::SUCCESS
-}
-
 fn functions() -> Functions {
     let function = |name: &CStr| match name.to_bytes() {
         b"vkCreateCommandPool" | b"vkCreateFence" => create as *const c_void,
@@ -91,36 +64,7 @@ fn functions() -> Functions {
     }
 }
 
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn no_function<H>(_: H, _: *const c_char) -> vk::PFN_vkVoidFunction {
-    None
-}
-
-/// # Safety
-///
-/// As the call.
-unsafe extern "system" fn set_loader_data(_: vk::Device, _: *mut c_void) -> vk::Result {
-    vk::Result::SUCCESS
-}
-
-fn record() -> DeviceRecord {
-    DeviceRecord {
-        instance: vk::Instance::null(),
-        physical_device: vk::PhysicalDevice::null(),
-        device: vk::Device::null(),
-        api_version: vk::API_VERSION_1_0,
-        next_get_instance_proc_addr: no_function,
-        next_get_device_proc_addr: no_function,
-        set_device_loader_data: set_loader_data,
-        queue_submit: None,
-        arming: Arming::Rates as u32,
-        submits_late: 0,
-    }
-}
-
-/// Runs with a ring and what it submits with.
+/// Runs with a ring and a submitter on a stand-in device.
 fn with_ring(test: impl FnOnce(&PreSubmitRing, Submitter<'_>)) {
     let (functions, record) = (functions(), record());
     let (locks, frame, rings) = (QueueLocks::default(), Frame::default(), Table::default());
@@ -163,7 +107,7 @@ fn slots_keep_their_memory() {
     assert_eq!(lock(&ring.slots).as_ptr(), memory);
 }
 
-/// As of two threads, of which the second records faster.
+/// Two threads submit at once, and the second records faster.
 #[test]
 fn a_submit_that_was_begun_first_may_be_the_newest() {
     with_ring(|ring, own| {

@@ -63,7 +63,7 @@ pub unsafe fn with_earlier_views(
     unsafe { AmendedLayers::of(info, amend) }
 }
 
-/// A view with an earlier picture, without the chain: depth and motion are those of the new picture.
+/// A view with an earlier picture, without its chain: depth and motion belong to the new picture.
 fn shown(
     earlier: &SubmittedView,
     view: &xr::CompositionLayerProjectionView,

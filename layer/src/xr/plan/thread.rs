@@ -248,7 +248,7 @@ impl SharedPlan {
     }
 }
 
-/// The end of a session's thread, by a panic, too: its number may soon be of another one.
+/// The end of a session's thread, by a panic, too. The system may give its number to another thread.
 struct Ended<'a>(&'a AtomicU32);
 
 impl Drop for Ended<'_> {

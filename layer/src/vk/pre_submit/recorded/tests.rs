@@ -1,34 +1,15 @@
 //! On a device that does nothing but hand out command buffers.
 
+use super::super::stand_in::{allocate, allocated, nothing, record};
 use super::*;
-use ash::vk::Handle;
 use std::cell::Cell;
 use std::ffi::{CStr, c_void};
 
 thread_local! {
-    /// Numbers of allocated and of begun command buffers.
-    static CALLS: Cell<[u64; 2]> = const { Cell::new([0; 2]) };
+    /// Number of begun command buffers.
+    static BEGUN: Cell<u64> = const { Cell::new(0) };
     /// Number of destroyed pools.
     static DESTROYED: Cell<u64> = const { Cell::new(0) };
-}
-
-unsafe extern "system" fn nothing() -> vk::Result {
-    vk::Result::SUCCESS
-}
-
-/// # Safety
-///
-/// `commands` has room for one.
-unsafe extern "system" fn allocate(
-    _: vk::Device,
-    _: *const vk::CommandBufferAllocateInfo<'_>,
-    commands: *mut vk::CommandBuffer,
-) -> vk::Result {
-    let [allocated, begun] = CALLS.get();
-    CALLS.set([allocated + 1, begun]);
-    // SAFETY: as `# Safety` demands.
-    unsafe { *commands = vk::CommandBuffer::from_raw(allocated + 1) };
-    vk::Result::SUCCESS
 }
 
 /// # Safety
@@ -38,8 +19,7 @@ unsafe extern "system" fn begin(
     _: vk::CommandBuffer,
     _: *const vk::CommandBufferBeginInfo<'_>,
 ) -> vk::Result {
-    let [allocated, begun] = CALLS.get();
-    CALLS.set([allocated, begun + 1]);
+    BEGUN.set(BEGUN.get() + 1);
     vk::Result::SUCCESS
 }
 
@@ -54,14 +34,6 @@ unsafe extern "system" fn destroy_pool(
     DESTROYED.set(DESTROYED.get() + 1);
 }
 
-unsafe extern "system" fn no_function<T>(_: T, _: *const std::ffi::c_char) -> vk::PFN_vkVoidFunction {
-    None
-}
-
-unsafe extern "system" fn no_data(_: vk::Device, _: *mut c_void) -> vk::Result {
-    vk::Result::SUCCESS
-}
-
 fn device() -> (ash::Device, DeviceRecord) {
     let function = |name: &CStr| match name {
         name if name == c"vkAllocateCommandBuffers" => allocate as *const c_void,
@@ -69,20 +41,8 @@ fn device() -> (ash::Device, DeviceRecord) {
         name if name == c"vkDestroyCommandPool" => destroy_pool as *const c_void,
         _ => nothing as *const c_void,
     };
-    let record = DeviceRecord {
-        instance: vk::Instance::null(),
-        physical_device: vk::PhysicalDevice::null(),
-        device: vk::Device::null(),
-        api_version: vk::API_VERSION_1_0,
-        next_get_instance_proc_addr: no_function,
-        next_get_device_proc_addr: no_function,
-        set_device_loader_data: no_data,
-        queue_submit: None,
-        arming: 0,
-        submits_late: 0,
-    };
     // SAFETY: called with any arguments, `nothing` ignores them, and returns success; the others are of their names.
-    (unsafe { ash::Device::load_with(function, vk::Device::null()) }, record)
+    (unsafe { ash::Device::load_with(function, vk::Device::null()) }, record())
 }
 
 /// The command buffer with a key, and whether it was recorded.
@@ -91,11 +51,10 @@ fn find(commands: &mut RecordedCommands, key: u64) -> (Option<Found>, bool) {
     let recorded = Cell::new(0);
     let count = |_| recorded.set(recorded.get() + 1);
     let key = RecordingKey::from_slice(&[key, 0]);
-    let [_, before] = CALLS.get();
+    let before = BEGUN.get();
     // SAFETY: the device takes any call.
     let found = unsafe { commands.find((&device, &record), 0, &key, count) }.unwrap();
-    let [_, begun] = CALLS.get();
-    assert_eq!(begun - before, recorded.get());
+    assert_eq!(BEGUN.get() - before, recorded.get());
     (found, recorded.get() == 1)
 }
 
@@ -152,11 +111,10 @@ fn a_failed_recording_is_repeated() {
     };
     let mut commands = RecordedCommands::default();
     let key = RecordingKey::from_slice(&[7, 0]);
-    let (_, record) = device();
     // SAFETY: as in `device`.
     let device = unsafe { ash::Device::load_with(function, vk::Device::null()) };
     // SAFETY: the device takes any call.
-    assert!(unsafe { commands.find((&device, &record), 0, &key, |_| ()) }.is_err());
+    assert!(unsafe { commands.find((&device, &record()), 0, &key, |_| ()) }.is_err());
     assert!(find(&mut commands, 7).1);
-    assert_eq!(CALLS.get()[0], 1, "in the same command buffer");
+    assert_eq!(allocated(), 1, "in the same command buffer");
 }
