@@ -39,10 +39,20 @@ pub unsafe extern "system" fn nothing() -> vk::Result {
     vk::Result::SUCCESS
 }
 
+/// `vkGetInstanceProcAddr` and `vkGetDeviceProcAddr` without any function.
+///
+/// # Safety
+///
+/// None.
 unsafe extern "system" fn no_function<T>(_: T, _: *const c_char) -> vk::PFN_vkVoidFunction {
     None
 }
 
+/// `PFN_vkSetDeviceLoaderData` without effect.
+///
+/// # Safety
+///
+/// None.
 unsafe extern "system" fn no_data(_: vk::Device, _: *mut c_void) -> vk::Result {
     vk::Result::SUCCESS
 }
