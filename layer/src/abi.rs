@@ -10,6 +10,7 @@ pub mod guard;
 pub mod local_time;
 pub mod own_folder;
 pub mod pnext;
+pub mod time_slice;
 
 pub use enablement::Enablement;
 pub use executable::executable;

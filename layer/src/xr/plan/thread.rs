@@ -3,7 +3,7 @@
 
 use super::work::{FrameTask, PlanWork};
 use crate::abi::cores::{Cores, current_core};
-use crate::abi::guard;
+use crate::abi::{guard, time_slice};
 use crate::link::{AwaitedPlan, FrameStart};
 use std::ffi::c_void;
 use std::ptr;
@@ -211,6 +211,8 @@ impl SharedPlan {
     fn run(&self) {
         let cores = self.cores.get_or_init(Cores::of_this_thread);
         let _ended = Ended(&self.planning_core);
+        // The application needs the plan soon, and works meanwhile on what may be all cores. Without success the thread waits as any other.
+        _ = time_slice::shorten();
         let mut stage = self.lock();
         loop {
             let task = match std::mem::replace(&mut *stage, Stage::UnderWay) {
