@@ -29,8 +29,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, sleep};
 use std::time::{Duration, SystemTime};
 
-/// Time between two looks: edits apply within a second.
-const LOOK_EVERY: Duration = Duration::from_millis(500);
+/// Time between two looks. An edit applies at the second look that finds it, within half a second.
+const LOOK_EVERY: Duration = Duration::from_millis(250);
 
 /// One application's configuration, kept current by a thread from [`LiveConfig::watch`] on: a look at files takes time on the
 /// application's thread, and on a network's file system as long as that wants.

@@ -12,8 +12,10 @@ use crate::paths::Environment;
 #[derive(Debug)]
 pub struct Watch {
     places: Places,
-    /// The last look: `None` before the first, `Some(None)` where no place has a file.
+    /// The state that was read last: `None` before the first look, `Some(None)` where no place has a file.
     seen: Option<Option<Seen>>,
+    /// Another state at the last look, which may be one of a file that is being written.
+    unsettled: Option<Option<Seen>>,
 }
 
 /// The configuration file when last looked at.
@@ -51,23 +53,26 @@ impl From<Metadata> for Fingerprint {
 impl Watch {
     /// Will watch the places of [`Places::new`]; nothing is looked at yet.
     pub fn new(environment: &Environment, application: Option<&str>, executable: &Path) -> Self {
-        Self { places: Places::new(environment, application, executable), seen: None }
+        Self { places: Places::new(environment, application, executable), seen: None, unsettled: None }
     }
 
-    /// Reads the configuration, if it may be another one than at the last look: its file was changed,
-    /// replaced or removed, or one of higher precedence appeared. Always reads at the first look. Without a
-    /// file, the defaults are the configuration.
+    /// Reads the configuration, if it may be another one than the last read: its file was changed, replaced or removed, or one of
+    /// higher precedence appeared. Always reads at the first look, and later only what two looks in a row have found: editors empty a file
+    /// before they write it, or remove it before they put another in its place. Without a file, the defaults are the configuration.
     ///
-    /// Errors of a file: see [`load`]. An edit after the look is seen by the next one.
+    /// Errors of a file: see [`load`]. An edit after the look is seen by the next ones.
     pub fn poll(&mut self) -> Option<Result<Config, ConfigErrors>> {
         let now = look(&self.places);
-        if self.seen.replace(now) == Some(now) {
+        let is_settled = self.seen.is_none() || self.unsettled == Some(now);
+        if self.seen == Some(now) || !is_settled {
+            self.unsettled = Some(now);
             return None;
         }
+        self.seen = Some(now);
         Some(self.file().map_or_else(|| Ok(Config::default()), load))
     }
 
-    /// The configuration file at the last look; `None` where the defaults hold.
+    /// The configuration file that was read last; `None` where the defaults hold.
     pub fn file(&self) -> Option<&Path> {
         let seen = self.seen.flatten()?;
         self.places.files().get(seen.place).map(PathBuf::as_path)
