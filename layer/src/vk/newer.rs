@@ -73,3 +73,26 @@ pub struct GeneratedCommandsInfo {
     /// A set of pipelines or shaders for generated commands; 0: the bound ones draw.
     pub indirect_execution_set: u64,
 }
+
+/// `VK_PIPELINE_CREATE_2_CAPTURE_DATA_BIT_KHR` (VK_KHR_pipeline_binary).
+pub const PIPELINE_CREATE_2_CAPTURE_DATA_KHR: PipelineCreateFlags2KHR =
+    PipelineCreateFlags2KHR::from_raw(0x8000_0000);
+
+/// `VkPipelineBinaryInfoKHR`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PipelineBinaryInfo {
+    /// `VK_STRUCTURE_TYPE_PIPELINE_BINARY_INFO_KHR`.
+    pub s_type: StructureType,
+    /// A chain of extensions, or null.
+    pub p_next: *const c_void,
+    /// Number of binaries.
+    pub count: u32,
+    /// Their handles.
+    pub binaries: *const u64,
+}
+
+// SAFETY: begins as all structures of chains do, and the type is that of the specification.
+unsafe impl TaggedStructure for PipelineBinaryInfo {
+    const STRUCTURE_TYPE: StructureType = StructureType::from_raw(1_000_483_002);
+}

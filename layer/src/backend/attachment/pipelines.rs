@@ -3,10 +3,11 @@
 use super::attach::RateAttachments;
 use super::full_rate::{Causes, causes};
 use super::pipeline::{PipelineRate, with_rates};
-use super::refused::{create_amended, may_be_ours};
+use super::refused::{Unamended, create_amended, may_be_ours};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
 use crate::vk::shaders::Effects;
+use crate::vk::shaders::parts::exchanges_binaries;
 use ash::vk;
 
 impl RateAttachments {
@@ -26,7 +27,7 @@ impl RateAttachments {
         Effects { stores: effects.stores && !is_allowed, ..effects }
     }
 
-    /// `vkCreateGraphicsPipelines`, amended for rate attachments. If that fails, for want of memory twice, the
+    /// `vkCreateGraphicsPipelines`, amended for rate attachments, unless binaries are exchanged. If that fails, for want of memory twice, the
     /// call is repeated as the application made it, for all of its pipelines: that keeps the specification's rules on early returns and
     /// pipelines derived from others in the same call.
     ///
@@ -48,6 +49,23 @@ impl RateAttachments {
         let mut copies = Copies::new(&mut room);
         // SAFETY: valid usage demands so many structures.
         let asked = unsafe { slice(infos, count) };
+        let create_plain = |unamended| {
+            // SAFETY: the application's own arguments.
+            let plain = unsafe { next(device, cache, count, infos, allocator, made) };
+            // SAFETY: the call has written so many handles, null for pipelines that failed.
+            let pipelines = unsafe { slice(made.cast_const(), count) };
+            let is_any_in_rendering = asked.iter().zip(pipelines).any(|(info, made)| {
+                info.render_pass == vk::RenderPass::null() && *made != vk::Pipeline::null()
+            });
+            if is_any_in_rendering {
+                self.leave_rendering_alone(unamended);
+            }
+            plain
+        };
+        // SAFETY: valid usage demands valid chains.
+        if asked.iter().any(|info| unsafe { exchanges_binaries(info) }) {
+            return create_plain(Unamended::Binaries);
+        }
         let amended = asked.iter().map(|info| {
             // SAFETY: valid usage demands valid stages.
             let effects = |stage: &vk::PipelineShaderStageCreateInfo<'_>| unsafe {
@@ -84,20 +102,7 @@ impl RateAttachments {
             drop((amended, copies));
             GpuError::Call { call: "vkCreateGraphicsPipelines", result }
                 .log("pipelines stay unchanged, at 1x1");
-            // SAFETY: the application's own arguments.
-            let plain = unsafe { next(device, cache, count, infos, allocator, made) };
-            let is_in_rendering =
-                |info: &vk::GraphicsPipelineCreateInfo<'_>| info.render_pass == vk::RenderPass::null();
-            // SAFETY: as above, the call has written so many handles.
-            let pipelines = unsafe { slice(made.cast_const(), count) };
-            if asked
-                .iter()
-                .zip(pipelines)
-                .any(|(info, made)| is_in_rendering(info) && *made != vk::Pipeline::null())
-            {
-                self.leave_rendering_alone("pipelines", result);
-            }
-            return plain;
+            return create_plain(Unamended::Refused("pipelines", result));
         }
         // SAFETY: as above.
         let pipelines = unsafe { slice(made.cast_const(), count) };

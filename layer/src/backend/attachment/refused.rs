@@ -5,18 +5,51 @@ use crate::abi::copies::find;
 use crate::status::{Topic, decided};
 use crate::vk::shaders::parts::{Parts, own_parts};
 use ash::vk;
+use std::fmt::{self, Display};
 use std::sync::atomic::Ordering;
 
+/// Objects of the application without the additions, and the cause.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Unamended {
+    /// The driver refuses such objects, by their name, with the additions.
+    Refused(&'static str, vk::Result),
+    /// The application exchanges pipelines as binaries.
+    Binaries,
+}
+
+impl Unamended {
+    fn objects(self) -> String {
+        match self {
+            Self::Refused(objects, _) => {
+                format!("{objects} that the driver creates only without shading rates")
+            }
+            Self::Binaries => "pipelines from and for binaries".to_owned(),
+        }
+    }
+}
+
+impl Display for Unamended {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Refused(objects, refused) => {
+                write!(f, "the driver creates {objects} only without shading rates: {refused:?}")
+            }
+            Self::Binaries => {
+                f.write_str("the application keeps pipelines as binaries (VK_KHR_pipeline_binary), which must be valid without the layer")
+            }
+        }
+    }
+}
+
 impl RateAttachments {
-    /// From now on dynamic rendering gets no attachments: there are such objects of the application, refused with the additions, that may not be
+    /// From now on dynamic rendering gets no attachments: there are objects of the application without the additions, which may not be
     /// used with attachments (VUID-vkCmdDraw-imageView-06183).
-    pub(super) fn leave_rendering_alone(&self, objects: &str, refused: vk::Result) {
+    pub(super) fn leave_rendering_alone(&self, unamended: Unamended) {
         if !self.rendering_is_left_alone.swap(true, Ordering::Relaxed) {
             decided(
-                Topic::FullRate(format!("{objects} that the driver creates only without shading rates")),
+                Topic::FullRate(unamended.objects()),
                 &format_args!(
-                    "dynamic rendering: shaded at 1x1 until a restart of the application, as the driver creates {objects} only \
-                     without shading rates: {refused:?}"
+                    "dynamic rendering: shaded at 1x1 until a restart of the application, as {unamended}"
                 ),
             );
         }

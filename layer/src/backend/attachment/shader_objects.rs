@@ -7,7 +7,7 @@
 use super::attach::RateAttachments;
 use super::commands::SetRate;
 use super::full_rate::Causes;
-use super::refused::{create_amended, may_be_ours};
+use super::refused::{Unamended, create_amended, may_be_ours};
 use crate::abi::copies::slice;
 use crate::gpu::GpuError;
 use crate::vk::shaders::effects_of_object as effects;
@@ -61,7 +61,7 @@ impl RateAttachments {
             // SAFETY: as above, the call has written so many handles.
             let shaders = unsafe { slice(made.cast_const(), count) };
             if asked.iter().zip(shaders).any(|(info, shader)| is_made(info, *shader)) {
-                self.leave_rendering_alone("shaders", result);
+                self.leave_rendering_alone(Unamended::Refused("shaders", result));
             }
             return plain;
         }

@@ -1,6 +1,7 @@
 //! Parts of graphics pipelines (VK_EXT_graphics_pipeline_library), and the libraries that they are linked from.
 
 use crate::abi::copies::{find, slice};
+use crate::vk::newer;
 use ash::vk;
 pub use ash::vk::GraphicsPipelineLibraryFlagsEXT as Parts;
 
@@ -48,6 +49,20 @@ pub unsafe fn flags(info: &vk::GraphicsPipelineCreateInfo<'_>) -> vk::PipelineCr
     let flags2 = unsafe { find::<vk::PipelineCreateFlags2CreateInfoKHR<'_>>(info.p_next) };
     let bits = vk::PipelineCreateFlags2KHR::from_raw(info.flags.as_raw().into());
     flags2.map_or(bits, |flags2| flags2.flags)
+}
+
+/// Whether a pipeline is made from binaries, or its data may be captured as binaries (VK_KHR_pipeline_binary). The application keeps them under the
+/// key of its own structure, for pipelines of later starts, with this layer or without it.
+///
+/// # Safety
+///
+/// The structure's chain is valid.
+pub unsafe fn exchanges_binaries(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    unsafe {
+        flags(info).contains(newer::PIPELINE_CREATE_2_CAPTURE_DATA_KHR)
+            || find::<newer::PipelineBinaryInfo>(info.p_next).is_some_and(|binaries| binaries.count > 0)
+    }
 }
 
 /// The stage of a pipeline's own fragment shader; `None` if the pipeline discards its primitives.

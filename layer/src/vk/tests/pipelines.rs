@@ -2,6 +2,7 @@
 
 use super::fake::{pipelines, rates};
 use super::*;
+use crate::vk::newer;
 use crate::vk::shaders::effects::tests::{plain_shader, storing_shader};
 
 /// The outcome of two pipelines, the calls that reached the driver, and whether dynamic rendering still gets attachments.
@@ -70,6 +71,41 @@ fn pipelines_that_are_refused_are_made_as_the_application_asks() {
     let line = "dynamic rendering: shaded at 1x1 until a restart of the application, as the driver creates pipelines only \
                 without shading rates: ERROR_UNKNOWN";
     assert!(crate::status::all_decisions().iter().any(|decision| decision.line == line));
+}
+
+/// Data of an amended pipeline would become part of pipelines without the layer, and the other way round.
+#[test]
+fn pipelines_from_and_for_binaries_are_made_as_the_application_asks() {
+    let none = vk::GraphicsPipelineCreateInfo::default();
+    let binaries = |count| newer::PipelineBinaryInfo {
+        s_type: <newer::PipelineBinaryInfo as vk::TaggedStructure>::STRUCTURE_TYPE,
+        p_next: null(),
+        count,
+        binaries: &7,
+    };
+    let (from, from_none) = (binaries(1), binaries(0));
+    let chained = |binaries: &newer::PipelineBinaryInfo| vk::GraphicsPipelineCreateInfo {
+        p_next: std::ptr::from_ref(binaries).cast(),
+        ..none
+    };
+    let mut captured =
+        vk::PipelineCreateFlags2CreateInfoKHR::default().flags(newer::PIPELINE_CREATE_2_CAPTURE_DATA_KHR);
+    let captured = none.push_next(&mut captured);
+    let of_pass =
+        vk::GraphicsPipelineCreateInfo { render_pass: vk::RenderPass::from_raw(5), ..chained(&from) };
+    for (info, is_plain, attaches_after) in [
+        (chained(&from), true, false),
+        (captured, true, false),
+        (of_pass, true, true),
+        (chained(&from_none), false, true),
+    ] {
+        with_device(|device| {
+            pipelines::answer(SUCCESS, SUCCESS);
+            assert_eq!(create(device, [info]), (SUCCESS, [1]));
+            assert_eq!(pipelines::seen(), [if is_plain { "plain 1" } else { "amended 1" }]);
+            assert_eq!(attaches(device), attaches_after);
+        });
+    }
 }
 
 /// A passing want of memory leaves no trace; one that lasts with the additions alone counts as a refusal.
