@@ -15,8 +15,8 @@ use crate::gaze::GazePhase;
 use crate::geometry::{View, rotation, unit_direction};
 use crate::kernels::decide::decide;
 use crate::perception::ContrastMap;
-use crate::schedule::CellAges;
 use crate::schedule::cap::PeriodCap;
+use crate::schedule::{CellAges, REGIONS};
 use glam::{Quat, Vec3};
 
 /// Plans one frame after the other. Allocates when a view changes its shape or the settings change, and not otherwise.
@@ -140,12 +140,14 @@ impl Planner {
             self.plan_eye(index, input.frame, head, eye, &rules, &mut reasons);
             self.attenuate(index, input, head, &rules);
         }
-        let schedule = rules.schedule.unwrap_or_default();
+        let (radii_deg, periods) = rules.schedule.map_or(([f32::INFINITY; 4], [1; REGIONS]), |schedule| {
+            (schedule.regions.radii_deg, schedule.configuration.factors())
+        });
         self.plan.frame = input.frame;
         self.plan.available = self.settings.device.available;
         self.plan.inflation_deg = rules.safety.inflation_deg;
-        self.plan.regions_deg = schedule.regions.radii_deg;
-        self.plan.periods = schedule.configuration.factors();
+        self.plan.regions_deg = radii_deg;
+        self.plan.periods = periods;
         self.plan.budget = rules.by_contrast.and_then(|limit| limit.budget);
         self.plan.chroma = self.settings.chroma;
         self.plan.reasons = reasons;

@@ -43,11 +43,15 @@ impl FramePlan {
             }
             writeln!(f)?;
         }
-        write!(f, "updates  every ")?;
-        for (period, to_deg) in self.periods.into_iter().zip(self.regions_deg) {
-            write!(f, "{period} to {to_deg:.1} deg, ")?;
+        if self.periods == [1; 5] {
+            writeln!(f, "updates  every frame")?;
+        } else {
+            write!(f, "updates  every ")?;
+            for (period, to_deg) in self.periods.into_iter().zip(self.regions_deg) {
+                write!(f, "{period} to {to_deg:.1} deg, ")?;
+            }
+            writeln!(f, "{} frames beyond", self.periods[4])?;
         }
-        writeln!(f, "{} frames beyond", self.periods[4])?;
         writeln!(f, "gaze     off by up to {:.1} deg", self.inflation_deg)?;
         if let Some(budget) = self.budget {
             writeln!(f, "budget   {budget:.4}")?;

@@ -18,8 +18,9 @@ pub struct Format {
 
 /// A ring for a stream of this format.
 pub fn ring(format: Format) -> (Writer, Reader) {
-    let samples = u64::from(format.sample_rate_hz) * u64::from(format.channels) * LENGTH_MS / 1000;
-    let (producer, consumer) = RingBuffer::new(samples.max(1) as usize);
+    // Whole frames: if the ring is full, none is cut, which would give its other samples to the wrong channels.
+    let frames = (u64::from(format.sample_rate_hz) * LENGTH_MS / 1000).max(1);
+    let (producer, consumer) = RingBuffer::new((frames * u64::from(format.channels)) as usize);
     let lost = Arc::new(AtomicU64::new(0));
     (Writer { producer, lost: lost.clone() }, Reader { consumer, lost })
 }
@@ -98,5 +99,23 @@ mod tests {
         writer.write_f32_le(&bytes[..12], 0.5);
         reader.read(|piece| read.extend_from_slice(piece));
         assert_eq!(read, [0.0, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn an_overflow_cuts_no_frame() {
+        for channels in [1, 2, 6, 8] {
+            let (mut writer, mut reader) = ring(Format { sample_rate_hz: 11_025, channels });
+            let channel = |sample: usize| (sample % channels as usize) as f32;
+            for _ in 0..3 {
+                writer.write((0..11_025 * channels as usize).map(channel));
+                let mut read = Vec::new();
+                reader.read(|piece| read.extend_from_slice(piece));
+                assert!(
+                    !read.is_empty() && read.len().is_multiple_of(channels as usize),
+                    "{channels} channels"
+                );
+                assert!(read.iter().enumerate().all(|(sample, value)| *value == channel(sample)));
+            }
+        }
     }
 }

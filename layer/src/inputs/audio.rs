@@ -57,7 +57,7 @@ impl AudioInput {
     pub fn poll(&mut self, config: &Config) -> Option<AudioFeatures> {
         let wanted = Wanted::of(config);
         if self.listening.as_ref().map(|listening| listening.wanted) != wanted {
-            self.listening = wanted.and_then(Listening::begin);
+            self.listening = wanted.map(Listening::begin);
         }
         let listening = self.listening.as_ref()?;
         let record = listening.shared.capture.get().and_then(Capture::features);
@@ -117,18 +117,16 @@ impl Wanted {
 }
 
 impl Listening {
-    /// Begins to listen, on another thread: to load a library takes its time.
-    fn begin(wanted: Wanted) -> Option<Self> {
+    /// Begins to listen, on another thread: to load a library takes its time. Without the thread, there are no features until other
+    /// settings are wanted.
+    fn begin(wanted: Wanted) -> Self {
         let shared = Arc::new(Shared::default());
         let theirs = shared.clone();
         let run = move || listen(&wanted, &theirs);
-        match Builder::new().name("parafovea-audio".to_owned()).spawn(run) {
-            Ok(_) => Some(Self { wanted, shared }),
-            Err(error) => {
-                tracing::warn!("sound: not captured: cannot start a thread: {error}");
-                None
-            }
+        if let Err(error) = Builder::new().name("parafovea-audio".to_owned()).spawn(run) {
+            tracing::warn!("sound: not captured: cannot start a thread: {error}");
         }
+        Self { wanted, shared }
     }
 }
 

@@ -73,8 +73,8 @@ impl Plan {
             map.set(eye.extent, eye.texel, eye.tiles, rates);
         }
         for (decision, eye) in self.decisions.iter_mut().zip(&record.eyes) {
-            let before = decision.as_ref().map_or(0, |decision| decision.coarsening);
-            *decision = Decision::of(eye, before);
+            let unused = decision.as_ref().map_or(0, |decision| decision.coarsening);
+            *decision = Decision::of(eye, unused);
         }
     }
 
@@ -117,17 +117,31 @@ impl Plan {
 }
 
 impl Decision {
-    /// That of a record, with the coarsening that may have come before.
-    fn of(record: &EyeMapRecord, coarsening: u32) -> Option<Self> {
+    /// That of a record, after plans with `unused` coarsening, by which no decision was made.
+    fn of(record: &EyeMapRecord, unused: u32) -> Option<Self> {
         let [x, y, z, w] = record.orientation;
         let decision = Self {
             fixed: record.fixed,
             judged: (record.is_judged == 1).then_some(record.judged),
             orientation: Quat::from_xyzw(x, y, z, w),
-            coarsening: (coarsening + record.fixed.coarsening.min(255)).min(255),
+            coarsening: total_coarsening(unused, record.fixed.coarsening),
         };
         // A record for a different tile grid is ignored.
         (record.is_decided == 1 && record.fixed.tiles == record.tiles).then_some(decision)
+    }
+}
+
+/// Coarsening without limit, as during a saccade, when no change is seen.
+const UNLIMITED: u32 = 255;
+
+/// The allowed coarsening of plan after plan, in 64ths of an octave. One without limit is for its own frame alone, and a plan that forbids
+/// coarsening forbids that of earlier plans, too.
+fn total_coarsening(unused: u32, newest: u32) -> u32 {
+    match (unused, newest) {
+        (_, 0) => 0,
+        (_, UNLIMITED..) => UNLIMITED,
+        (UNLIMITED.., newest) => newest,
+        (unused, newest) => (unused + newest).min(UNLIMITED - 1),
     }
 }
 
@@ -176,5 +190,17 @@ pub mod tests {
         assert_eq!(resolved(&mut plan, &[]), [0, 0]);
         plan.take(&plan_of_two_tiles(3), [&[r4], &[r4, r4]]);
         assert_eq!(resolved(&mut plan, &[part(Eyes::Left)]), [0, 0], "a plan that makes no sense is 1x1");
+    }
+
+    /// A frame may have no pass of the scene, and so no decision.
+    #[test]
+    fn coarsening_of_a_saccade_is_not_kept_for_later() {
+        let total = |steps: &[u32]| steps.iter().fold(0, |unused, step| total_coarsening(unused, *step));
+        assert_eq!(total(&[3, 3]), 6);
+        assert_eq!(total(&[3, 255]), 255);
+        assert_eq!(total(&[255, 3]), 3);
+        assert_eq!(total(&[255, 3, 3]), 6);
+        assert_eq!(total(&[3, 255, 0]), 0);
+        assert_eq!(total(&[200, 200]), 254, "not without limit");
     }
 }
