@@ -20,6 +20,7 @@ pub use plan::{
 };
 
 use crate::abi::{attempt, executable};
+use crate::log::EDIT;
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};
 use parafovea_manifest::status::{AskedView, GazeWatch, Settings};
@@ -202,7 +203,7 @@ impl Shared {
         snapshot.is_gaze_watched = is_gaze_watched;
         if let Some(config) = edited {
             crate::log::set_level(config.log.level);
-            tracing::info!("configuration changed");
+            tracing::info!(target: EDIT, "configuration changed");
             watched.configured = config;
         } else if view == watched.view {
             // A file with an error.

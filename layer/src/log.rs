@@ -20,6 +20,13 @@ use tracing::metadata::LevelFilter;
 use tracing::span::{Attributes, Id, Record};
 use tracing::{Event, Level, Metadata, Subscriber};
 
+/// Target of the events that name an application. They are logged at every level: the command `parafovea` learns from them that two names belong
+/// together.
+pub const NAMES: &str = "parafovea::names";
+
+/// Target of the event of an accepted edit. Warnings and errors after it are logged again, as they may concern the edit.
+pub const EDIT: &str = "parafovea::edit";
+
 /// [`LogLevel`] as a number, for [`set_level`].
 static LEVEL: AtomicU8 = AtomicU8::new(LogLevel::Info as u8);
 
@@ -61,7 +68,7 @@ struct Log {
     logged: Mutex<LoggedTexts>,
 }
 
-/// Warnings and errors in the file: a failure in every frame is logged once.
+/// Warnings and errors in the file since the last edit of the configuration: a failure in every frame is logged once.
 #[derive(Default)]
 struct LoggedTexts(Vec<u64>);
 
@@ -86,19 +93,27 @@ impl LoggedTexts {
 
 impl Subscriber for Log {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        metadata.is_event() && *metadata.level() <= max_level()
+        metadata.is_event()
+            && (*metadata.level() <= max_level() || [NAMES, EDIT].contains(&metadata.target()))
     }
 
     fn max_level_hint(&self) -> Option<LevelFilter> {
-        Some(max_level())
+        Some(max_level().max(LevelFilter::INFO))
     }
 
     fn event(&self, event: &Event<'_>) {
+        let metadata = event.metadata();
+        if metadata.target() == EDIT {
+            *self.logged.lock().unwrap_or_else(PoisonError::into_inner) = LoggedTexts::default();
+            if *metadata.level() > max_level() {
+                return;
+            }
+        }
         let now = LocalTime::at(SystemTime::now());
-        let mut line = Line::new(&now, *event.metadata().level());
+        let mut line = Line::new(&now, *metadata.level());
         let start = line.0.len();
         event.record(&mut line);
-        let is_warning = *event.metadata().level() <= Level::WARN;
+        let is_warning = *metadata.level() <= Level::WARN;
         let text = line.0.get(start..).unwrap_or_default();
         if is_warning && !self.logged.lock().unwrap_or_else(PoisonError::into_inner).is_new(text) {
             return;
@@ -171,5 +186,29 @@ mod tests {
         line.0.push_str("a\nb");
         let text = line.finish();
         assert_eq!(text, format!("1970-01-01T01:00:01.500+01:00 {} WARN  a b\n", std::process::id()));
+    }
+
+    #[test]
+    fn names_are_logged_at_every_level_and_errors_again_after_an_edit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("game.log");
+        let file = Mutex::new(BoundedFile::open(&path).unwrap());
+        tracing::subscriber::with_default(Log { file, logged: Mutex::default() }, || {
+            set_level(LogLevel::Error);
+            tracing::info!(target: NAMES, "OpenXR instance of \"Game\"");
+            for _ in 0..2 {
+                tracing::error!("wrong");
+                tracing::info!("seen");
+            }
+            tracing::info!(target: EDIT, "configuration changed");
+            tracing::error!("wrong");
+            set_level(LogLevel::Info);
+            tracing::info!(target: EDIT, "configuration changed");
+        });
+        let log = std::fs::read_to_string(&path).unwrap();
+        let texts = log.lines().map(|line| line.splitn(3, ' ').nth(2).unwrap());
+        let names = "INFO  OpenXR instance of \"Game\"";
+        let expected = [names, "ERROR wrong", "ERROR wrong", "INFO  configuration changed"];
+        assert_eq!(texts.collect::<Vec<_>>(), expected);
     }
 }

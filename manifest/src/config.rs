@@ -28,6 +28,7 @@ pub use watch::Watch;
 /// The file cannot be read, or holds something that is not allowed: a line for each error, which names the
 /// file.
 pub fn load(path: &Path) -> Result<Config, ConfigErrors> {
-    let text = read::read(path).map_err(|error| ConfigErrors::new(path, vec![error]))?;
+    let bytes = read::read(path).map_err(|error| ConfigErrors::new(path, vec![error]))?;
+    let text = String::from_utf8(bytes).map_err(|error| parse::not_text(path, &error))?;
     parse(path, &text)
 }

@@ -9,6 +9,7 @@ use super::offer::Offer;
 use super::{session, vulkan_activation};
 use crate::abi::{Enablement, attempt, guard};
 use crate::config::{Arming, Environment, LiveConfig};
+use crate::log::NAMES;
 use crate::registry::Registry;
 use below::Below;
 use extensions::EyeGaze;
@@ -148,7 +149,7 @@ fn wanted(name: &str) -> Option<LiveConfig> {
     let enablement = Enablement::of_process();
     let environment = Environment::of_process(enablement == Enablement::Elevated);
     if enablement != Enablement::Enabled {
-        tracing::info!("OpenXR instance of \"{name}\" inert: {enablement}");
+        tracing::info!(target: NAMES, "OpenXR instance of \"{name}\" inert: {enablement}");
         return None;
     }
     if name == WINE_TEST_INSTANCE {
@@ -157,11 +158,12 @@ fn wanted(name: &str) -> Option<LiveConfig> {
     let config = LiveConfig::new(&environment, Some(name));
     if !config.snapshot().enabled {
         tracing::info!(
+            target: NAMES,
             "OpenXR instance of \"{name}\" inert: enabled = false; an edit takes effect after a restart of the application"
         );
         return None;
     }
-    tracing::info!("OpenXR instance of \"{name}\"");
+    tracing::info!(target: NAMES, "OpenXR instance of \"{name}\"");
     Some(config)
 }
 

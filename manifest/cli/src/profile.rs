@@ -94,9 +94,12 @@ enum Failure {
 
 fn near(key: &str) -> String {
     let name = key.rsplit('.').next().unwrap_or(key);
-    match OPTIONS.iter().find(|option| option.name == name || option.section == name) {
-        Some(option) => format!("; did you mean {}?", option.key()),
-        None => String::new(),
+    let same: Vec<_> = OPTIONS.iter().filter(|option| option.name == name).map(OptionSpec::key).collect();
+    let of_section = || OPTIONS.iter().find(|option| option.section == name).map(OptionSpec::key);
+    match (same.is_empty(), of_section()) {
+        (false, _) => format!("; did you mean {}?", same.join(" or ")),
+        (true, Some(first)) => format!("; did you mean {first}?"),
+        (true, None) => String::new(),
     }
 }
 

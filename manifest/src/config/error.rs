@@ -48,7 +48,7 @@ pub enum ConfigError {
         suggestion: Option<String>,
     },
     /// A value of the wrong type, out of range or not among the choices.
-    #[error("line {line}: {key} = {value} is not allowed; allowed: {allowed}")]
+    #[error("line {line}: {key} = {value} is not allowed{}; allowed: {allowed}", at(.reason))]
     NotAllowed {
         /// The line, from 1.
         line: usize,
@@ -56,6 +56,8 @@ pub enum ConfigError {
         key: String,
         /// The value as it was written.
         value: String,
+        /// The reason against it, if the allowed values do not tell it.
+        reason: Option<String>,
         /// The values that the option takes.
         allowed: String,
     },

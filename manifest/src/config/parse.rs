@@ -1,6 +1,7 @@
 //! TOML text to [`Config`].
 
 use std::path::Path;
+use std::string::FromUtf8Error;
 
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
@@ -28,7 +29,7 @@ pub fn parse(path: &Path, text: &str) -> Result<Config, ConfigErrors> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (table, syntax_errors) = DeTable::parse_recoverable(text);
     let table = table.get_ref();
-    let turns_off = table.get("enabled").is_some_and(|value| value.get_ref().as_bool() == Some(false));
+    let turns_off = turns_off(table);
     if let Some(first) = syntax_errors.first() {
         return Err(ConfigErrors::of_table(path, vec![syntax_error(text, first)], turns_off));
     }
@@ -44,6 +45,20 @@ pub fn parse(path: &Path, text: &str) -> Result<Config, ConfigErrors> {
         },
     };
     Err(ConfigErrors::of_table(path, errors, turns_off))
+}
+
+/// The error of a file that is not UTF-8. It tells, too, whether the file has `enabled = false`: with a letter of another encoding in a comment, for
+/// instance.
+pub(super) fn not_text(path: &Path, error: &FromUtf8Error) -> ConfigErrors {
+    let line = line_of_bytes(error.as_bytes(), error.utf8_error().valid_up_to());
+    let text = String::from_utf8_lossy(error.as_bytes());
+    let (table, _) = DeTable::parse_recoverable(&text);
+    ConfigErrors::of_table(path, vec![ConfigError::NotText { line }], turns_off(table.get_ref()))
+}
+
+/// Whether a table has `enabled = false`.
+fn turns_off(table: &DeTable<'_>) -> bool {
+    table.get("enabled").is_some_and(|value| value.get_ref().as_bool() == Some(false))
 }
 
 /// Something that is not allowed. Cheap to make, since a file can be full of them.
@@ -139,6 +154,10 @@ fn error(text: &str, finding: &Finding<'_>) -> ConfigError {
         Some(wrong) => ConfigError::NotAllowed {
             line,
             value: one_line(text.get(wrong.value.span()).unwrap_or_default()),
+            reason: wrong
+                .option
+                .and_then(|option| (option.reason)(wrong.value.get_ref()))
+                .map(|reason| one_line(&reason)),
             allowed: match wrong.option {
                 Some(option) => option.allowed_with_unit(),
                 None => format!("a section [{key}]"),
@@ -158,16 +177,21 @@ fn syntax_error(text: &str, error: &toml::de::Error) -> ConfigError {
 
 /// The line, from 1, of the byte at `offset`.
 fn line_of(text: &str, offset: usize) -> usize {
-    1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+    line_of_bytes(text.as_bytes(), offset)
 }
 
-/// The key that was probably meant: this name in another section, or the most similar one in this section.
+fn line_of_bytes(bytes: &[u8], offset: usize) -> usize {
+    1 + bytes.iter().take(offset).filter(|&&byte| byte == b'\n').count()
+}
+
+/// The keys that were probably meant: this name in other sections, or the most similar one in this section.
 fn nearest(section: &str, name: &str) -> Option<String> {
     if name.len() > MAX_MISSPELT {
         return None;
     }
-    if let Some(option) = OPTIONS.iter().find(|option| option.name == name) {
-        return Some(option.key());
+    let same: Vec<_> = OPTIONS.iter().filter(|option| option.name == name).map(OptionSpec::key).collect();
+    if !same.is_empty() {
+        return Some(same.join(" or "));
     }
     let options = OPTIONS.iter().filter(|option| option.section == section);
     let sections = OPTIONS.iter().map(|option| option.section).filter(|_| section.is_empty());

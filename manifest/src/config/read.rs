@@ -10,8 +10,8 @@ use super::ConfigError;
 /// The largest file that is read: 1 MiB.
 pub const MAX_BYTES: u64 = 1 << 20;
 
-/// The text of the file at `path`.
-pub(super) fn read(path: &Path) -> Result<String, ConfigError> {
+/// The bytes of the file at `path`.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, ConfigError> {
     // O_NONBLOCK: otherwise, opening a FIFO would wait until another process opens it for writing.
     let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path)?;
     let metadata = file.metadata()?;
@@ -28,11 +28,7 @@ pub(super) fn read(path: &Path) -> Result<String, ConfigError> {
     if bytes.len() as u64 > MAX_BYTES {
         return Err(too_large);
     }
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let newlines = error.as_bytes()[..valid].iter().filter(|&&byte| byte == b'\n').count();
-        ConfigError::NotText { line: newlines + 1 }
-    })
+    Ok(bytes)
 }
 
 #[cfg(test)]

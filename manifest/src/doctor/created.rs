@@ -13,7 +13,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
     match (&probed.created, &probed.created_without_layer) {
         (Ok(devices), without) => {
             // A driver may have several devices of one name: their order tells them apart.
-            let without = without.as_deref().unwrap_or_default();
+            let without = without.as_deref().unwrap_or(&[]);
             let find = |index: usize, name: &str| without.get(index).filter(|device| device.name == name);
             devices
                 .iter()
@@ -49,10 +49,15 @@ fn no_device(found: String, means: &str) -> Finding {
 fn of_device(device: &CreatedDevice, without: Option<&CreatedDevice>) -> Finding {
     let CreatedDevice { name, failure, has_layer } = device;
     match failure {
-        Some(failure) if without.is_some_and(|without| without.failure.is_none()) => Finding::problem(
+        Some(failure) if without.is_none_or(|without| without.failure.is_none()) => Finding::problem(
             "no-device-with-layer",
             format!("{name}: no device can be created with the layer: {failure}"),
-            "Without the layer, a device can be created. Games that use this GPU do not start with Parafovea.",
+            match without {
+                Some(_) => {
+                    "Without the layer, a device can be created. Games that use this GPU do not start with Parafovea."
+                }
+                None => "Games that use this GPU do not start with Parafovea. Without the layer, the result is not known.",
+            },
         )
         .advise("play without PARAFOVEA=1, and report this with the output of parafovea doctor --json"),
         Some(failure) => no_device(

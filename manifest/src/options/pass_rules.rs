@@ -73,8 +73,8 @@ const WAYS_UP: [(&str, WayUp); 2] = [("upright", WayUp::Upright), ("flipped", Wa
 
 /// Syntax of a rule, for people.
 const SYNTAX: &str = "rules like \"exclude 2048x2048; left R16G16B16A16_SFLOAT 1440x1600 #1 upright\": exclude, left, right, \
-    either, double-wide or array; then any of a colour format (VkFormat without VK_FORMAT_), a size, # and the number of \
-    the pass in the frame, upright or flipped";
+    either, double-wide or array; then at least one of a colour format (VkFormat without VK_FORMAT_), a size, and # with the number of \
+    the pass in the frame; then upright or flipped, if known";
 
 /// Reason why a text is not a list of rules.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -212,6 +212,10 @@ impl Setting for PassRules {
 
     fn allowed((): ()) -> Allowed {
         Allowed::Text(SYNTAX)
+    }
+
+    fn reason(value: &DeValue<'_>) -> Option<String> {
+        value.as_str()?.parse::<Self>().err().map(|error| error.to_string())
     }
 
     fn to_toml(self) -> String {

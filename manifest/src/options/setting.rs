@@ -62,6 +62,11 @@ pub trait Setting: Copy {
     /// The values that [`Setting::read`] takes.
     fn allowed(range: Self::Range) -> Allowed;
 
+    /// The reason against a value that [`Setting::read`] does not take; `None` if the allowed values tell it.
+    fn reason(_: &DeValue<'_>) -> Option<String> {
+        None
+    }
+
     /// Its text in a file, from which [`Setting::read`] makes the same value.
     fn to_toml(self) -> String;
 }

@@ -17,6 +17,7 @@ pub struct OptionSpec {
     pub unit: &'static str,
     pub(crate) allowed: fn() -> Allowed,
     pub(crate) write: fn(&mut Config, &DeValue<'_>) -> Result<(), NotAllowed>,
+    pub(crate) reason: fn(&DeValue<'_>) -> Option<String>,
     pub(crate) to_toml: fn(&Config) -> String,
 }
 
@@ -110,6 +111,7 @@ macro_rules! options {
                 }
                 None => Err(table::NotAllowed),
             },
+            reason: <$type as Setting>::reason,
             to_toml: |config| Setting::to_toml(config.$($field).+),
         }
     };

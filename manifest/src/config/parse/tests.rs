@@ -112,6 +112,31 @@ fn no_number_escapes_its_range() {
 }
 
 #[test]
+fn the_wrong_word_of_pass_rules_is_told() {
+    for (rules, reason) in [
+        ("left", "\"left\": a rule needs a colour format, a size or a number"),
+        ("middle 10x10", "\"middle\": a rule begins with exclude, left, right, either, double-wide or array"),
+        ("left 10x10 20x20", "\"20x20\": a second value of this kind in one rule"),
+        (
+            "left #1;left #2;left #3;left #4;left #5;left #6;left #7;left #8;left #9",
+            "too many rules; allowed: at most 8",
+        ),
+    ] {
+        let message = rejected(&format!("rates.passes = '{rules}'"));
+        let start = format!(
+            "game.toml: line 1: rates.passes = '{rules}' is not allowed: {reason}; allowed: rules like "
+        );
+        assert!(message.starts_with(&start), "{message}");
+    }
+    let message = rejected("rates.passes = 'left VK_FORMAT_R8G8B8A8_SRGB'");
+    assert!(
+        message.contains("is not allowed: \"VK_FORMAT_R8G8B8A8_SRGB\": allowed: a colour format"),
+        "{message}"
+    );
+    assert!(rejected("rates.passes = 1").contains("1 is not allowed; allowed: rules like"));
+}
+
+#[test]
 fn an_unknown_key_is_told_with_the_nearest_one() {
     for (text, line) in [
         (
@@ -125,7 +150,14 @@ fn an_unknown_key_is_told_with_the_nearest_one() {
             "[log.level]\nx = 1",
             "game.toml: line 1: log.level = [log.level] is not allowed; allowed: \"error\", \"warn\", \"info\" or \"debug\"",
         ),
-        ("[log]\nsource = 'eyes'", "game.toml: line 2: unknown key log.source; did you mean gaze.source?"),
+        (
+            "[log]\nsource = 'eyes'",
+            "game.toml: line 2: unknown key log.source; did you mean gaze.source or audio.source?",
+        ),
+        (
+            "mode = 'fixed'",
+            "game.toml: line 1: unknown key mode; did you mean audio.mode or rates.mode or reuse.mode or chroma.mode?",
+        ),
         ("[chroma]\nstrength = 1", "game.toml: line 2: unknown key chroma.strength"),
         ("'line\\nbreak' = 1", r"game.toml: line 1: unknown key line\nbreak"),
         ("\"line\\nbreak\" = 1", r"game.toml: line 1: unknown key line\nbreak"),

@@ -64,6 +64,23 @@ fn invalid_utf_8_is_reported_with_its_line() {
     assert_eq!(line(&folder, "latin1.toml"), "latin1.toml: line 2: not UTF-8 text");
 }
 
+/// The off switch works whatever else is wrong, as with errors of TOML.
+#[test]
+fn a_file_that_is_not_utf_8_can_turn_the_layer_off() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("latin1.toml");
+    for (bytes, is_off) in [
+        (&b"# f\xfcr dieses Spiel\nenabled = false\n"[..], true),
+        (b"enabled = false # f\xfcr dieses Spiel\n", true),
+        (b"# enabled = false f\xfcr dieses Spiel\n", false),
+        (b"[log]\nenabled = false\n# \xfc\n", false),
+    ] {
+        fs::write(&path, bytes).unwrap();
+        let errors = load(&path).unwrap_err();
+        assert_eq!(errors.turns_off(), is_off, "{}", bytes.escape_ascii());
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]

@@ -272,6 +272,15 @@ const FAULTS: &[Fault] = &[
         &["no-device-with-layer"],
         false,
     ),
+    (
+        "no device with the layer, and no answer without it",
+        |machine| {
+            created(machine).failure = Some("ERROR_INITIALIZATION_FAILED".to_owned());
+            machine.probed.created_without_layer = Err("it took longer than 10 seconds".to_owned());
+        },
+        &["no-device-with-layer"],
+        false,
+    ),
     ("a GPU on which no program creates a device", |machine| refuse_all(machine), &["device-refused"], false),
     (
         "a GPU for no program, and one for programs without the layer",
