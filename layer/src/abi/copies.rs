@@ -114,7 +114,8 @@ impl<'a> Copies<'a> {
 
 impl Drop for Copies<'_> {
     fn drop(&mut self) {
-        for Original { structure, saved, size } in self.amended_in_place.drain(..) {
+        // The last first: chains may share a structure, which was amended for each.
+        for Original { structure, saved, size } in self.amended_in_place.drain(..).rev() {
             // SAFETY: `amend` was promised that the structure outlives this; `saved` holds as many bytes of it.
             unsafe { copy_nonoverlapping(saved, structure, size) };
         }

@@ -137,6 +137,10 @@ macro_rules! armed_functions {
                 since API_VERSION_1_2, before c"vkCmdDrawIndirectCountKHR" => draws::draw_indirect_count;
             cmd_draw_indexed_indirect_count: PFN_vkCmdDrawIndexedIndirectCount = c"vkCmdDrawIndexedIndirectCount"
                 since API_VERSION_1_2, before c"vkCmdDrawIndexedIndirectCountKHR" => draws::draw_indexed_indirect_count;
+            cmd_draw_indirect_count_amd: PFN_vkCmdDrawIndirectCount = c"vkCmdDrawIndirectCountAMD"
+                => draws::draw_indirect_count_amd;
+            cmd_draw_indexed_indirect_count_amd: PFN_vkCmdDrawIndexedIndirectCount = c"vkCmdDrawIndexedIndirectCountAMD"
+                => draws::draw_indexed_indirect_count_amd;
             cmd_draw_mesh_tasks: PFN_vkCmdDrawMeshTasksEXT = c"vkCmdDrawMeshTasksEXT" => draws::draw_mesh_tasks;
             cmd_draw_mesh_tasks_indirect: PFN_vkCmdDrawMeshTasksIndirectEXT = c"vkCmdDrawMeshTasksIndirectEXT"
                 => draws::draw_mesh_tasks_indirect;

@@ -70,6 +70,10 @@ fn behind_an_unknown_structure_the_applications_own_is_amended_for_the_time_of_t
     let amended = unsafe { copies.amend::<Rendering<'_>>(first, |rendering| rendering.view_mask = 6) };
     assert_eq!(amended, first);
     assert_eq!(content(first)[1].1, 6);
+    // Another structure of the call may have the same chain.
+    // SAFETY: as above.
+    unsafe { copies.amend::<Rendering<'_>>(first, |rendering| rendering.view_mask = 7) };
+    assert_eq!(content(first)[1].1, 7);
     drop(copies);
     assert_eq!(content(first), was);
 }

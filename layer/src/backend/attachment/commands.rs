@@ -25,6 +25,8 @@ struct Recorded {
     every_pixel: bool,
     /// Whether the pass has the application's own rate attachment, or none.
     is_left_alone: bool,
+    /// Whether a pipeline with a rate of its own is bound, which no command may change (VUID-vkCmdDraw-None-08608).
+    is_fixed: bool,
 }
 
 /// The rates that are set in the command buffers of a device.
@@ -68,7 +70,7 @@ impl SetRates {
         }
         let is = Recorded { is_left_alone, ..was };
         self.recorded.insert(buffer, is);
-        let rate = self.in_force(is)?;
+        let rate = self.in_force(is).filter(|_| !is.is_fixed)?;
         (self.in_force(was) != Some(rate)).then_some(rate)
     }
 
@@ -84,9 +86,23 @@ impl SetRates {
     /// A graphics pipeline of this rate is bound: the rate to set then, if any.
     pub fn bound(&self, buffer: vk::CommandBuffer, pipeline: PipelineRate) -> Option<SetRate> {
         match pipeline {
-            PipelineRate::Fixed | PipelineRate::NeedsEveryPixel => None,
+            PipelineRate::Fixed | PipelineRate::NeedsEveryPixel => {
+                self.fixed(buffer);
+                None
+            }
             PipelineRate::AtBind(combiner) => Some(self.full_rate_in_pass(buffer, combiner)),
             PipelineRate::Application { every_pixel } => self.pixels_needed(buffer, every_pixel),
+        }
+    }
+
+    /// A pipeline with a rate of its own is bound.
+    fn fixed(&self, buffer: vk::CommandBuffer) {
+        if !self.has_own_attachments {
+            return;
+        }
+        let was = self.recorded.get(buffer).unwrap_or_default();
+        if !was.is_fixed {
+            self.recorded.insert(buffer, Recorded { is_fixed: true, ..was });
         }
     }
 
@@ -104,7 +120,7 @@ impl SetRates {
             return full_rate(combiner);
         }
         let was = self.recorded.get(buffer).unwrap_or_default();
-        let is = Recorded { bound: Some(combiner), ..was };
+        let is = Recorded { bound: Some(combiner), is_fixed: false, ..was };
         if is != was {
             self.recorded.insert(buffer, is);
         }
@@ -114,10 +130,11 @@ impl SetRates {
     /// The bound shaders must shade every pixel, or need not: the rate to set, if that changes the one that is set.
     fn pixels_needed(&self, buffer: vk::CommandBuffer, every_pixel: bool) -> Option<SetRate> {
         let mut recorded = self.recorded.get(buffer).unwrap_or_default();
-        if recorded.every_pixel == every_pixel {
+        // A pass that began meanwhile has not set its rate.
+        if recorded.every_pixel == every_pixel && !recorded.is_fixed {
             return None;
         }
-        recorded.every_pixel = every_pixel;
+        (recorded.every_pixel, recorded.is_fixed) = (every_pixel, false);
         recorded.bound = None;
         self.recorded.insert(buffer, recorded);
         self.in_force(recorded)
@@ -306,5 +323,27 @@ mod tests {
             assert_eq!(rates.bound(buffer(1), linked), Some(KEEPS));
             assert_eq!(rates.pass_begins(buffer(1), false), Some(OBEYS));
         }
+    }
+
+    /// A command that sets a rate under a pipeline with a rate of its own breaks that rate, or the rules.
+    #[test]
+    fn no_rate_is_set_for_a_pass_under_a_pipeline_with_a_rate_of_its_own() {
+        let linked = PipelineRate::AtBind(Combiner::MAX);
+        for rates in [SetRates::new(Combiner::MAX, false, true), by_application()] {
+            rates.bound(buffer(1), linked);
+            assert_eq!(rates.pass_begins(buffer(1), true), Some(KEEPS));
+            assert_eq!(rates.bound(buffer(1), PipelineRate::Fixed), None);
+            assert_eq!(rates.pass_begins(buffer(1), false), None);
+            assert_eq!(rates.bound(buffer(1), linked), Some(OBEYS));
+            assert_eq!(rates.pass_begins(buffer(1), true), Some(KEEPS), "as before");
+        }
+        let rates = by_application();
+        let plain = PipelineRate::Application { every_pixel: false };
+        assert_eq!(rates.set(buffer(1), KEEPS), OBEYS);
+        rates.bound(buffer(1), PipelineRate::Fixed);
+        assert_eq!(rates.set(buffer(1), KEEPS), OBEYS);
+        assert_eq!(rates.pass_begins(buffer(1), true), None);
+        assert_eq!(rates.bound(buffer(1), plain), Some(KEEPS), "the rate of this pass");
+        assert_eq!(rates.bound(buffer(1), plain), None);
     }
 }

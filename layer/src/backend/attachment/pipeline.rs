@@ -28,7 +28,8 @@ const SHADING: Parts =
 
 /// The pipeline with the additions that make it obey rate attachments, and its rate.
 ///
-/// `every_pixel`: whether its own parts must not be coarser than 1x1. `linked` returns the rate of a library. A render pass that
+/// `every_pixel`: whether its own parts must not be coarser than 1x1. `has_own_attachment`: [`has_flag`], from before the first pipeline of the call
+/// was amended, as pipelines may share a chain. `linked` returns the rate of a library. A render pass that
 /// `is_left_alone` has no rate attachment of ours: the rate stays unchanged. So does the default rate in dynamic rendering, if the application sets the flag for an
 /// attachment of its own.
 ///
@@ -39,14 +40,12 @@ const SHADING: Parts =
 pub unsafe fn with_rates<'c>(
     info: &vk::GraphicsPipelineCreateInfo<'c>,
     capabilities: &RateCapabilities,
-    every_pixel: bool,
+    (every_pixel, has_own_attachment): (bool, bool),
     linked: impl Fn(vk::Pipeline) -> Option<PipelineRate>,
     is_left_alone: impl Fn(vk::RenderPass) -> bool,
     copies: &mut Copies<'_>,
 ) -> (vk::GraphicsPipelineCreateInfo<'c>, PipelineRate) {
     let is_left_alone = is_left_alone(info.render_pass);
-    // SAFETY: the structure and its chain are valid, as `# Safety` demands.
-    let has_own_attachment = unsafe { has_flag(info) };
     // SAFETY: the structure and its chain are valid, as `# Safety` demands.
     let (own, libraries, (flags, p_next)) =
         unsafe { (own_parts(info), libraries(info), with_flag(info, copies)) };
@@ -125,7 +124,7 @@ const FLAG2: vk::PipelineCreateFlags2KHR = vk::PipelineCreateFlags2KHR::from_raw
 /// # Safety
 ///
 /// As for [`with_rates`].
-unsafe fn has_flag(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+pub unsafe fn has_flag(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
     // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe { flags(info) }.contains(FLAG2)
 }

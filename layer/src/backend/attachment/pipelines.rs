@@ -2,13 +2,14 @@
 
 use super::attach::RateAttachments;
 use super::full_rate::{Causes, causes};
-use super::pipeline::{PipelineRate, with_rates};
+use super::pipeline::{PipelineRate, has_flag, with_rates};
 use super::refused::{Unamended, create_amended, may_be_ours};
 use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
 use crate::vk::shaders::Effects;
 use crate::vk::shaders::parts::exchanges_binaries;
 use ash::vk;
+use smallvec::SmallVec;
 
 impl RateAttachments {
     /// A pipeline is about to be destroyed.
@@ -66,7 +67,10 @@ impl RateAttachments {
         if asked.iter().any(|info| unsafe { exchanges_binaries(info) }) {
             return create_plain(Unamended::Binaries);
         }
-        let amended = asked.iter().map(|info| {
+        // SAFETY: valid usage demands valid chains.
+        let has_own_attachment: SmallVec<[bool; 16]> =
+            asked.iter().map(|info| unsafe { has_flag(info) }).collect();
+        let amended = asked.iter().zip(has_own_attachment).map(|(info, has_own_attachment)| {
             // SAFETY: valid usage demands valid stages.
             let effects = |stage: &vk::PipelineShaderStageCreateInfo<'_>| unsafe {
                 self.counted(self.modules.effects(stage))
@@ -76,9 +80,9 @@ impl RateAttachments {
             // SAFETY: the structure is valid, and its chain the call's for its duration.
             unsafe {
                 let causes = causes(info, &self.capabilities.limits, effects);
-                let every_pixel = causes.are_any();
+                let of_pipeline = (causes.are_any(), has_own_attachment);
                 let (amended, rate) =
-                    with_rates(info, &self.capabilities, every_pixel, linked, is_left_alone, &mut copies);
+                    with_rates(info, &self.capabilities, of_pipeline, linked, is_left_alone, &mut copies);
                 // Without rates of ours in the pass, they have no consequence.
                 (amended, (rate, if self.may_reach(info) { causes } else { Causes::default() }))
             }

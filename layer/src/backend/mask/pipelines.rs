@@ -2,7 +2,7 @@
 
 use super::recipe::{Ingredients, PassOf, Recipe};
 use super::{EarlyReturnPipeline, Masks};
-use crate::abi::copies::slice;
+use crate::abi::copies::{find, slice};
 use crate::backend::mask::{DynamicStencil, PipelineFacts};
 use crate::gpu::is_left;
 use crate::vk::shaders::ShaderModules;
@@ -117,7 +117,9 @@ impl Masks {
         }
         let fragment = stages.iter().find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT)?;
         let render_pass = match info.render_pass {
-            pass if pass == vk::RenderPass::null() => None,
+            // SAFETY: valid usage demands a valid chain.
+            pass if pass == vk::RenderPass::null() && unsafe { renders_colour(info) } => None,
+            pass if pass == vk::RenderPass::null() => return None,
             pass => Some(self.pass_of(pass, info.subpass)?),
         };
         let layout = self.layout(info.layout)?;
@@ -165,8 +167,13 @@ impl Masks {
         if !own.contains(Parts::FRAGMENT_SHADER) || unsafe { is_discarded(info, own) } {
             return facts;
         }
-        // Without depth and stencil in the subpass, valid usage leaves the pointer open.
-        let has_depth = info.render_pass == vk::RenderPass::null() || self.has_depth(info);
+        // Without depth and stencil in the pass, valid usage leaves the pointer open.
+        let has_depth = if info.render_pass == vk::RenderPass::null() {
+            // SAFETY: valid usage demands a valid chain.
+            unsafe { may_render_depth(info, own) }
+        } else {
+            self.has_depth(info)
+        };
         // SAFETY: as above: stages and tests are of the part with the fragment shader, and dynamic state of all.
         let (stages, tests, dynamic) = unsafe {
             let stages = slice(info.p_stages, info.stage_count);
@@ -190,6 +197,47 @@ impl Masks {
         }
         facts
     }
+}
+
+/// The formats of a pipeline's attachments in dynamic rendering; `None` if there are none.
+///
+/// # Safety
+///
+/// The structure's chain is valid.
+unsafe fn formats<'c>(
+    info: &vk::GraphicsPipelineCreateInfo<'c>,
+) -> Option<&'c vk::PipelineRenderingCreateInfo<'c>> {
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    unsafe { find(info.p_next) }
+}
+
+/// Whether a pipeline for dynamic rendering has colour attachments: without any, its blend state may be anything
+/// (VUID-VkGraphicsPipelineCreateInfo-renderPass-09037).
+///
+/// # Safety
+///
+/// The structure's chain is valid, with formats if it is whole.
+unsafe fn renders_colour(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the chain is valid, as `# Safety` demands, with so many formats.
+    unsafe {
+        let colours = formats(info).map(|of| slice(of.p_color_attachment_formats, of.color_attachment_count));
+        colours.is_some_and(|colours| colours.iter().any(|format| *format != vk::Format::UNDEFINED))
+    }
+}
+
+/// Whether a pipeline for dynamic rendering may have a depth or stencil attachment. Without one, its depth and stencil state may be anything
+/// (VUID-VkGraphicsPipelineCreateInfo-renderPass-09036); a part without the output interface, which has the formats, has valid state.
+///
+/// # Safety
+///
+/// The structure's chain is valid.
+pub unsafe fn may_render_depth(info: &vk::GraphicsPipelineCreateInfo<'_>, own: Parts) -> bool {
+    // SAFETY: the chain is valid, as `# Safety` demands.
+    let formats = unsafe { formats(info) };
+    !own.contains(Parts::FRAGMENT_OUTPUT_INTERFACE)
+        || formats.is_some_and(|of| {
+            [of.depth_attachment_format, of.stencil_attachment_format] != [vk::Format::UNDEFINED; 2]
+        })
 }
 
 /// Whether a pipeline may write stencil, and the dynamic state of that. Where all of it is, the structure may be missing
@@ -229,5 +277,31 @@ mod tests {
         assert_eq!(stencil(None, all).1, DynamicStencil { test: true, op: true });
         let test_alone = |state| state == vk::DynamicState::STENCIL_TEST_ENABLE;
         assert_eq!([of(Some(&off), &test_alone), of(Some(&off.front(replace)), &test_alone)], [false, true]);
+    }
+
+    /// Valid usage leaves the pointers to other state open.
+    #[test]
+    fn formats_tell_the_attachments_of_dynamic_rendering() {
+        let whole = Parts::FRAGMENT_SHADER | Parts::FRAGMENT_OUTPUT_INTERFACE;
+        let colours = [vk::Format::UNDEFINED, vk::Format::R8G8B8A8_SRGB];
+        let attachments = |colours: &[vk::Format], depth, stencil| {
+            let mut rendering = vk::PipelineRenderingCreateInfo::default()
+                .color_attachment_formats(colours)
+                .depth_attachment_format(depth)
+                .stencil_attachment_format(stencil);
+            let info = vk::GraphicsPipelineCreateInfo::default().push_next(&mut rendering);
+            // SAFETY: a valid chain.
+            unsafe { (renders_colour(&info), may_render_depth(&info, whole)) }
+        };
+        let (none, depth) = (vk::Format::UNDEFINED, vk::Format::D32_SFLOAT);
+        assert_eq!(attachments(&colours, none, none), (true, false));
+        assert_eq!(attachments(&colours[..1], depth, none), (false, true));
+        assert_eq!(attachments(&[], none, vk::Format::S8_UINT), (false, true));
+        let unchained = vk::GraphicsPipelineCreateInfo::default();
+        // SAFETY: no chain.
+        unsafe {
+            assert!(!renders_colour(&unchained) && !may_render_depth(&unchained, whole));
+            assert!(may_render_depth(&unchained, Parts::FRAGMENT_SHADER), "another part has the formats");
+        }
     }
 }

@@ -6,9 +6,10 @@ mod codes;
 pub use codes::{Code, Codes};
 
 use super::early_return::{EarlyReturn, NoEarlyReturn, discards, returning_early};
+use super::pipelines::may_render_depth;
 use crate::abi::copies::{find, slice, words};
 use crate::gpu::{AppendedLayout, CompatiblePass, Gpu, GpuError, Owned, pipeline_of_code};
-use crate::vk::shaders::parts::dynamic_states;
+use crate::vk::shaders::parts::{dynamic_states, own_parts};
 use arena::Arena;
 use ash::vk;
 use smallvec::SmallVec;
@@ -109,7 +110,11 @@ impl Recipe {
         if info.flags.intersects(NOT_SERVED) || NOT_FOLLOWED.iter().any(|state| dynamic.contains(state)) {
             return None;
         }
-        let has_depth = ingredients.render_pass.as_ref().is_none_or(|pass| pass.has_depth);
+        let has_depth = match &ingredients.render_pass {
+            Some(pass) => pass.has_depth,
+            // SAFETY: valid usage demands a valid chain.
+            None => unsafe { may_render_depth(info, own_parts(info)) },
+        };
         // SAFETY: the pipeline is whole, and rasterises to a pass with colour, as `# Safety` demands.
         let state = unsafe { state_of(info, has_tessellation(stages), has_depth, &mut memory)? };
         let info = vk::GraphicsPipelineCreateInfo {

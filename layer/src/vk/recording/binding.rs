@@ -4,6 +4,7 @@ use super::{Buffer, drawing, stencil, with_buffer};
 use crate::abi::copies::slice;
 use crate::backend::attachment::RateAttachments;
 use crate::backend::attachment::commands::SetRate;
+use crate::backend::attachment::pipeline::PipelineRate;
 use crate::backend::mask::Masks;
 use crate::vk::device;
 use crate::vk::functions::ArmedTable;
@@ -90,8 +91,8 @@ pub unsafe extern "system" fn bind_pipeline(
 /// `handle` is this command buffer, which is recording.
 unsafe fn set_rate_of(known: &Buffer, handle: vk::CommandBuffer, pipeline: vk::Pipeline) {
     if let Some(rates) = &known.armed.rate_attachments
-        && let Some(pipeline) = rates.pipeline_rate(pipeline)
-        && let Some(rate) = rates.set_rates.bound(handle, pipeline)
+        && let Some(rate) =
+            rates.set_rates.bound(handle, rates.pipeline_rate(pipeline).unwrap_or(PipelineRate::Fixed))
         && let Some(set) = known.armed.next.cmd_set_fragment_shading_rate
     {
         // SAFETY: the command buffer is recording, as `# Safety` demands, and both are valid; the function is there.

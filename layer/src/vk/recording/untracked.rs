@@ -50,6 +50,9 @@ impl Recordings {
         }
         if is_untracked {
             begin_here(handle);
+        } else if is_here(handle) {
+            // Of a command buffer that went with its pool, whose address this one has.
+            forget(handle);
         }
         !is_untracked
     }
@@ -153,5 +156,14 @@ mod tests {
             });
         });
         assert!(!is_here(handle) && !recordings.is_untracked());
+    }
+
+    /// A runtime may destroy a pool without freeing its command buffers, which this layer does not list.
+    #[test]
+    fn a_tracked_command_buffer_may_have_the_handle_of_an_untracked_one() {
+        let handle = vk::CommandBuffer::from_raw(0x6000);
+        assert!(!Recordings::default().begin(handle, ONCE, true) && is_here(handle));
+        assert!(Recordings::default().begin(handle, ONCE, false));
+        assert!(!is_here(handle));
     }
 }

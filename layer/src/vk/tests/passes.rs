@@ -121,6 +121,29 @@ fn draws_by_addresses_count() {
     });
 }
 
+/// VK_AMD_draw_indirect_count came before the extension of the same commands, and drivers still have it.
+#[test]
+fn draws_of_the_first_extension_with_a_count_count() {
+    let draws_by = [
+        hook!(c"vkCmdDrawIndirectCountAMD": PFN_vkCmdDrawIndirectCount),
+        hook!(c"vkCmdDrawIndexedIndirectCountAMD": PFN_vkCmdDrawIndexedIndirectCount),
+        hook!(c"vkCmdDrawIndirectCountKHR": PFN_vkCmdDrawIndirectCount),
+        hook!(c"vkCmdDrawIndexedIndirectCountKHR": PFN_vkCmdDrawIndexedIndirectCount),
+    ];
+    let end = hook!(c"vkCmdEndRenderingKHR": PFN_vkCmdEndRendering);
+    with_command_buffer(|handle, buffer| {
+        begin(handle);
+        for draw in draws_by {
+            let none = vk::Buffer::null();
+            // SAFETY: the command buffer is live; the stand-in does not read the buffers.
+            unsafe { draw(handle, none, 0, none, 0, 1, 16) };
+        }
+        // SAFETY: the command buffer is live.
+        unsafe { end(handle) };
+        assert_eq!(draws(buffer), [Some(draws_by.len() as u32)]);
+    });
+}
+
 /// The images that meshes read in the last pass, and whether they may read more.
 fn read_by_meshes(buffer: &Buffer) -> (Vec<u64>, bool) {
     let recorded = buffer.recorded();

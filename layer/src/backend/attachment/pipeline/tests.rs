@@ -41,7 +41,8 @@ fn linked(
     unsafe {
         let capabilities = offered([16, 16]);
         let every_pixel = causes(info, &capabilities.limits, |_| effects).are_any();
-        let (more, rate) = with_rates(info, &capabilities, every_pixel, libraries, is_own, &mut copies);
+        let of_pipeline = (every_pixel, has_flag(info));
+        let (more, rate) = with_rates(info, &capabilities, of_pipeline, libraries, is_own, &mut copies);
         let flags2 = find::<Flags2<'_>>(more.p_next);
         Outcome {
             flagged: flags2.map_or(more.flags.contains(FLAG), |flags| {

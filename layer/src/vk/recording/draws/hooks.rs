@@ -52,6 +52,12 @@ draws! {
     draw_indexed_indirect_count, "vkCmdDrawIndexedIndirectCount", cmd_draw_indexed_indirect_count: (
         from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
     ), counts Counts::INDIRECT;
+    draw_indirect_count_amd, "vkCmdDrawIndirectCountAMD", cmd_draw_indirect_count_amd: (
+        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_indexed_indirect_count_amd, "vkCmdDrawIndexedIndirectCountAMD", cmd_draw_indexed_indirect_count_amd: (
+        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ), counts Counts::INDIRECT;
     draw_mesh_tasks, "vkCmdDrawMeshTasksEXT", cmd_draw_mesh_tasks: (x: u32, y: u32, z: u32),
         counts Counts::INDIRECT;
     draw_mesh_tasks_indirect, "vkCmdDrawMeshTasksIndirectEXT", cmd_draw_mesh_tasks_indirect: (
