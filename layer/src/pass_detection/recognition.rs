@@ -16,7 +16,7 @@ mod repetition;
 mod roles;
 mod trace;
 
-use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
+use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, SwapchainKey, Unmatched};
 use crate::status::Topic;
 pub use candidate::holds_colours;
 pub use feedback::Feedback;
@@ -93,6 +93,13 @@ impl Recognition {
         self.memory.forget(self.frame);
         self.swapchains.forget(self.frame);
         true
+    }
+
+    /// A swapchain is gone. A later one may have its handle.
+    pub fn forget_swapchain(&mut self, swapchain: SwapchainKey) {
+        self.swapchains.forget_one(swapchain);
+        self.memory.forget_swapchain(swapchain);
+        self.feedback.forget_swapchain(swapchain);
     }
 
     /// Frames have ended that it does not learn from.

@@ -79,6 +79,9 @@ impl Frame {
 
     /// Takes the images of a swapchain, or, without any, forgets it; returns its former images.
     pub fn set_swapchain(&self, swapchain: SwapchainKey, images: &[vk::Image]) -> Vec<vk::Image> {
+        if images.is_empty() {
+            lock(&self.log).forget_swapchain(swapchain);
+        }
         lock(&self.swapchains).take(swapchain, images)
     }
 

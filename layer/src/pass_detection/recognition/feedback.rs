@@ -92,6 +92,11 @@ impl FeedbackEvidence {
         self.last_shown.clear();
     }
 
+    /// Forgets the last image of a swapchain that is gone.
+    pub(super) fn forget_swapchain(&mut self, swapchain: SwapchainKey) {
+        self.last_shown.retain(|(known, _)| *known != swapchain);
+    }
+
     /// Takes a frame, whose passes have their roles, and its submission.
     pub(super) fn learn(
         &mut self,
@@ -102,7 +107,8 @@ impl FeedbackEvidence {
         shown: &Shown,
     ) {
         let least = swapchains.least_picture();
-        if told.unknown_reader.is_some_and(|reader| !copies_drawn(events, reader, memory)) {
+        let reads_unknown = told.unknown_reader.is_some_and(|reader| !copies_drawn(events, reader, memory));
+        if reads_unknown || told.is_too_long {
             self.unknown_at = Some(frame);
         }
         let mut reads = told.has_feedback;

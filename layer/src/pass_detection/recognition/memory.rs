@@ -136,6 +136,11 @@ impl Memory {
         Some(image)
     }
 
+    /// Forgets the roles of passes that drew a swapchain, which is gone.
+    pub(super) fn forget_swapchain(&mut self, swapchain: SwapchainKey) {
+        self.of_swapchains.remove(&swapchain);
+    }
+
     pub(super) fn description(&self, image: ImageKey) -> Option<ImageDescription> {
         self.images.get(&image).map(|image| image.description)
     }

@@ -138,6 +138,11 @@ impl Swapchains {
             .any(|placements| placements.iter().any(|a| placements.iter().any(|b| are_beside(a, b))))
     }
 
+    /// Forgets a swapchain that is gone.
+    pub(super) fn forget_one(&mut self, key: SwapchainKey) {
+        self.known.retain(|swapchain| swapchain.key != key);
+    }
+
     /// Forgets swapchains that were not shown for long.
     pub(super) fn forget(&mut self, frame: u64) {
         self.known.retain(|swapchain| frame < swapchain.at + FORGOTTEN_AFTER);

@@ -105,6 +105,8 @@ pub(super) struct Findings {
     pub(super) is_direct: bool,
     /// Whether a pass on the way to it reads its own output of the last frame; or, with a swapchain as its direct target, the image so far.
     pub(super) has_feedback: bool,
+    /// Whether the frame has more steps than are followed, so that it has no roles, and may have feedback.
+    pub(super) is_too_long: bool,
 }
 
 impl Provenance {
@@ -156,7 +158,7 @@ impl Provenance {
         let candidates = unknown_reader.map_or(0, |reader| self.find_only(reader, events, known, is_apart));
         if self.steps >= MOST_STEPS {
             self.nodes.clear();
-            return Findings::default();
+            return Findings { is_too_long: true, ..Findings::default() };
         }
         self.set_roles(events, known);
         let groups = &self.groups.all;
@@ -164,7 +166,7 @@ impl Provenance {
         let is_read = self.nodes.iter().any(|node| node.writes_picture && node.kind != Kind::Camera);
         let is_direct = groups.iter().any(|group| group.is_direct) && !is_read && unknown_reader.is_none();
         let has_feedback = self.has_feedback(events, known);
-        Findings { unknown_reader, candidates, is_found, is_direct, has_feedback }
+        Findings { unknown_reader, candidates, is_found, is_direct, has_feedback, is_too_long: false }
     }
 
     /// The role of the event of that number.

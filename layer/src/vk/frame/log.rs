@@ -3,7 +3,9 @@
 use super::MapContent;
 use super::passes_file::Notes;
 use super::rest::Rest;
-use crate::pass_detection::{Event, EyePasses, Feedback, Match, Pass, Recognition, Shown, Unmatched};
+use crate::pass_detection::{
+    Event, EyePasses, Feedback, Match, Pass, Recognition, Shown, SwapchainKey, Unmatched,
+};
 use crate::vk::objects::Objects;
 use parafovea_core::reuse::StaleTiles;
 use parafovea_manifest::options::PassRules;
@@ -168,6 +170,11 @@ impl Log {
     /// The verdict on a pass that is about to be submitted.
     fn recognise(&self, objects: &Objects, pass: &Pass) -> Result<Match, Unmatched> {
         self.recognition.of(pass, &self.events, |key| objects.describe(key))
+    }
+
+    /// A swapchain is gone.
+    pub fn forget_swapchain(&mut self, swapchain: SwapchainKey) {
+        self.recognition.forget_swapchain(swapchain);
     }
 
     /// Whether recognition learns from the current frame.

@@ -84,3 +84,28 @@ fn steady_frames_are_not_walked_through() {
     application.expect("scene", &looks(Eyes::Finer));
     application.expect("tone mapping", &Err(Unmatched::FullScreen));
 }
+
+/// Many cameras that read images which no event of the frame writes: each read is sought among all events.
+#[test]
+fn a_frame_with_too_many_steps_may_read_earlier_frames() {
+    let feedback = |cameras: usize| {
+        let mut application = Application::default();
+        let eyes = application.eyes();
+        let scenes = [application.image(EYE, HDR), application.image(EYE, HDR)];
+        let [target, written_never] = [(); 2].map(|()| application.image([64, 64], HDR));
+        application.run(6, |application| {
+            for _ in 0..cameras {
+                let mut pass = whole([64, 64], &[target]);
+                application.add_depth(&mut pass);
+                let mut read_by_meshes = Reads::default();
+                read_by_meshes.push(written_never);
+                pass.draws = Some(Draws { meshes: 50, vertices: 5000, read_by_meshes, ..Draws::default() });
+                application.pass("camera", pass);
+            }
+            frame(application, &eyes, scenes, false);
+        });
+        application.recognition.feedback()
+    };
+    assert_eq!(feedback(10), Feedback::None);
+    assert_eq!(feedback(2100), Feedback::Unknown);
+}

@@ -39,3 +39,25 @@ pub fn dynamic(frame: u64) -> [u32; 2] {
     let step = [0, 3, 1, 4, 2, 5][frame as usize % 6];
     [EYE[0] - 8 * step, EYE[1] - 8 * step]
 }
+
+/// The handle of a swapchain is often an address, which the next one gets.
+#[test]
+fn a_swapchain_with_the_handle_of_a_gone_one_is_new() {
+    let mut application = Application::default();
+    let eyes = application.eyes();
+    application.run(10, |application| {
+        for chain in &eyes {
+            let image = application.current(chain);
+            application.scene("eye", image);
+        }
+        let shown = application.both(&eyes);
+        application.show(&shown);
+    });
+    assert!(matches!(application.outcomes("eye").last(), Some((10, Ok(_)))));
+    let key = eyes[0].key;
+    application.recognition.forget_swapchain(key);
+    let panel = application
+        .described(|image| ImageDescription { swapchain: Some(key), ..description(image, EYE, LDR) });
+    application.scene("panel", panel);
+    assert_eq!(application.outcomes("panel"), [(10, Err(Unmatched::NotShown))]);
+}
