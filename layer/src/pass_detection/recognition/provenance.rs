@@ -202,6 +202,8 @@ impl Provenance {
                 continue;
             };
             let own = self.nodes[index].group;
+            // Panels of frosted glass, or drops on a visor: drawn over the picture, and made of it.
+            let is_over = pass.facts.loads_color && !self.groups.all[own].has_depth;
             for reads in [&draws.read_by_meshes, &draws.read_by_quads] {
                 for image in &reads.images {
                     let mut sources = Sources::new();
@@ -209,7 +211,8 @@ impl Provenance {
                     for source in sources.into_iter().filter(|source| *source != own) {
                         // A copy of the scene that both eyes make and read in turn.
                         let is_alike = self.groups.all[source].shape() == self.groups.all[own].shape();
-                        if !(is_alike && self.feeds(own, *image, events)) {
+                        let is_under = is_over && self.groups.all[source].has_depth;
+                        if !(is_under || is_alike && self.feeds(own, *image, events)) {
                             self.groups.all[source].is_sampled = true;
                         }
                     }

@@ -34,6 +34,14 @@ impl Application {
         self.pass(name, pass);
     }
 
+    /// Over the image so far, without depth.
+    pub(super) fn drawn_over(&mut self, name: &'static str, color: ImageKey, draws: Draws) {
+        let mut pass = whole(self.extent(color), &[color]);
+        pass.facts.loads_color = true;
+        pass.draws = Some(draws);
+        self.pass(name, pass);
+    }
+
     /// With depth that it clears, which later passes go on with.
     pub(super) fn drawn_with_depth(&mut self, name: &'static str, color: ImageKey, draws: Draws) -> Target {
         let mut pass = whole(self.extent(color), &[color]);
@@ -150,4 +158,31 @@ fn a_visor_over_a_smaller_scene() {
     });
     app.expect("scene", &looks(Eyes::Finer));
     app.expect("visor", &Err(Unmatched::After));
+}
+
+/// Panels of frosted glass, and drops on a visor: drawn over the picture without depth, and made of the scene.
+#[test]
+fn an_interface_over_the_picture_that_samples_the_scene() {
+    for is_last in [false, true] {
+        let mut app = Application::default();
+        let eyes = app.eyes();
+        let [color, blurred, mapped] = [HDR, HDR, LDR].map(|format| app.image(EYE, format));
+        app.run(8, |app| {
+            for chain in &eyes {
+                app.drawn("scene", &[color], true, scene(&[]));
+                app.drawn("blur", &[blurred], false, full_screen(&[color]));
+                let target = if is_last { app.current(chain) } else { mapped };
+                app.drawn("tone-map", &[target], false, full_screen(&[color]));
+                app.drawn_over("panels", target, scene(&[blurred]));
+                if !is_last {
+                    app.drawn("upscale", &[app.current(chain)], false, full_screen(&[mapped]));
+                }
+            }
+            app.show(&app.both(&eyes));
+        });
+        app.expect("scene", &looks(Eyes::Finer));
+        if !is_last {
+            app.expect("panels", &Err(Unmatched::After));
+        }
+    }
 }
