@@ -23,7 +23,7 @@ pub use pass_rules::{
 pub use periods::Periods;
 pub use reference::reference;
 pub use setting::{Allowed, Setting};
-pub use table::OptionSpec;
+pub use table::{OptionSpec, keys_named};
 
 use choice::choice;
 use preset::presets;

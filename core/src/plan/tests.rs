@@ -295,6 +295,14 @@ fn colour_follows_the_gaze_and_comes_back_when_that_is_lost() {
 }
 
 #[test]
+fn a_plan_without_a_schedule_has_no_regions() {
+    let mut planner = Planner::new(PlanSettings { schedule: None, ..fixed() });
+    let plan = settled(&mut planner, input());
+    assert_eq!((plan.regions_deg, plan.periods), ([f32::INFINITY; 4], [1; 5]));
+    assert!(plan.to_string().contains("updates  every frame\n"), "{plan}");
+}
+
+#[test]
 fn text_and_picture_show_the_plan() {
     let mut planner = Planner::new(with_schedule(UpdateConfiguration::F11223, Phase::Staggered));
     let plan = settled(&mut planner, input());

@@ -12,7 +12,7 @@ const SHORTEST_NS: u64 = 100_000;
 /// Asks for the shortest slice of the calling thread. Policy and niceness remain.
 ///
 /// # Errors
-/// Those of `sched_getattr(2)` and `sched_setattr(2)`: a sandbox may forbid them. The thread has its usual slice then.
+/// Errors of `sched_getattr(2)` and `sched_setattr(2)`, for instance in a sandbox without these calls. The slice then stays as usual.
 pub fn shorten() -> io::Result<()> {
     let mut attributes = of_this_thread()?;
     attributes.sched_runtime = SHORTEST_NS;

@@ -10,7 +10,7 @@ use effective::{Origin, effective};
 use files::{Files, Target};
 use parafovea_manifest::config::{self, ConfigErrors};
 use parafovea_manifest::install::{InstallError, Step};
-use parafovea_manifest::options::{OPTIONS, OptionSpec};
+use parafovea_manifest::options::{OPTIONS, OptionSpec, keys_named};
 use std::fmt::Write as _;
 use std::fs;
 use std::io::ErrorKind;
@@ -94,13 +94,8 @@ enum Failure {
 
 fn near(key: &str) -> String {
     let name = key.rsplit('.').next().unwrap_or(key);
-    let same: Vec<_> = OPTIONS.iter().filter(|option| option.name == name).map(OptionSpec::key).collect();
     let of_section = || OPTIONS.iter().find(|option| option.section == name).map(OptionSpec::key);
-    match (same.is_empty(), of_section()) {
-        (false, _) => format!("; did you mean {}?", same.join(" or ")),
-        (true, Some(first)) => format!("; did you mean {first}?"),
-        (true, None) => String::new(),
-    }
+    keys_named(name).or_else(of_section).map(|keys| format!("; did you mean {keys}?")).unwrap_or_default()
 }
 
 /// Runs a task; prints its outcome.

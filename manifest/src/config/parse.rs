@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::error::{ConfigError, ConfigErrors, one_line};
-use crate::options::{Config, OPTIONS, OptionSpec, Preset, Setting};
+use crate::options::{Config, OPTIONS, OptionSpec, Preset, Setting, keys_named};
 
 /// Greatest number of errors reported of one file.
 const MAX_ERRORS: usize = 10;
@@ -189,9 +189,8 @@ fn nearest(section: &str, name: &str) -> Option<String> {
     if name.len() > MAX_MISSPELT {
         return None;
     }
-    let same: Vec<_> = OPTIONS.iter().filter(|option| option.name == name).map(OptionSpec::key).collect();
-    if !same.is_empty() {
-        return Some(same.join(" or "));
+    if let Some(keys) = keys_named(name) {
+        return Some(keys);
     }
     let options = OPTIONS.iter().filter(|option| option.section == section);
     let sections = OPTIONS.iter().map(|option| option.section).filter(|_| section.is_empty());

@@ -48,6 +48,13 @@ impl OptionSpec {
     }
 }
 
+/// The keys of all options with this name, joined by "or"; `None` if there are none.
+pub fn keys_named(name: &str) -> Option<String> {
+    let keys: Vec<_> =
+        super::OPTIONS.iter().filter(|option| option.name == name).map(OptionSpec::key).collect();
+    (!keys.is_empty()).then(|| keys.join(" or "))
+}
+
 /// Makes [`Config`] with a structure for each section, their defaults, and the table `OPTIONS`.
 ///
 /// An option is `name: type = default;`, a number `name: type = default, min..=max "unit";`.

@@ -84,6 +84,10 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
         complained(&profile(&["set", "game", "plateau_deg", "7"]))
             .contains("did you mean chroma.plateau_deg?")
     );
+    assert!(
+        complained(&profile(&["set", "game", "mode", "fixed"]))
+            .contains("did you mean audio.mode or rates.mode or reuse.mode or chroma.mode?")
+    );
     assert_eq!(file("apps/game.toml"), before);
     printed(&profile(&["unset", "game", "chroma.mode"]));
     assert_eq!(file("apps/game.toml"), "preset = \"performance\"\n\n[chroma]\n");
