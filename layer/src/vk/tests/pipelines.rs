@@ -108,6 +108,25 @@ fn pipelines_from_and_for_binaries_are_made_as_the_application_asks() {
     }
 }
 
+/// The flags of a chain behind an unknown structure are amended in place, for each pipeline of the chain.
+#[test]
+fn pipelines_that_share_a_chain_get_the_same_rates() {
+    with_device(|device| {
+        pipelines::answer(SUCCESS, SUCCESS);
+        let mut flags = vk::PipelineCreateFlags2CreateInfoKHR::default();
+        let unknown = vk::BaseInStructure {
+            s_type: vk::StructureType::from_raw(1_999_999_999),
+            p_next: (&raw mut flags).cast(),
+            ..Default::default()
+        };
+        let p_next = std::ptr::from_ref(&unknown).cast();
+        let info = vk::GraphicsPipelineCreateInfo { p_next, ..Default::default() };
+        assert_eq!(create(device, [info; 2]), (SUCCESS, [1, 2]));
+        let combiners = pipelines::combiners();
+        assert!(combiners[0].is_some() && combiners[0] == combiners[1], "{combiners:?}");
+    });
+}
+
 /// A passing want of memory leaves no trace; one that lasts with the additions alone counts as a refusal.
 #[test]
 fn a_creation_without_memory_is_repeated_with_rates() {
@@ -221,7 +240,7 @@ fn shaders_that_store_are_coarse_if_the_configuration_allows_it() {
             let (result, _) = create(device, [vk::GraphicsPipelineCreateInfo::default().stages(&stages)]);
             assert_eq!(result, SUCCESS);
             COARSE_STORES.set(false);
-            pipelines::combiners()
+            pipelines::combiners()[0]
         })
     };
     use vk::FragmentShadingRateCombinerOpKHR as Combiner;

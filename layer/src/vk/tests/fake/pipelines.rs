@@ -1,6 +1,6 @@
 //! A driver that refuses pipelines and shaders with the additions for rate attachments.
 
-use crate::abi::copies::find;
+use crate::abi::copies::{find, slice};
 use ash::vk::{self, Handle};
 use std::cell::{Cell, RefCell};
 use std::ffi::CStr;
@@ -8,9 +8,12 @@ use std::ffi::CStr;
 thread_local! {
     static ANSWERS: Cell<[vk::Result; 2]> = const { Cell::new([vk::Result::SUCCESS; 2]) };
     static FIRST: Cell<Option<vk::Result>> = const { Cell::new(None) };
-    static COMBINERS: Cell<Option<[vk::FragmentShadingRateCombinerOpKHR; 2]>> = const { Cell::new(None) };
+    static COMBINERS: RefCell<Vec<Combiners>> = const { RefCell::new(Vec::new()) };
     static SEEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
+
+/// The combiners of a pipeline's rate; `None` without a rate.
+pub type Combiners = Option<[vk::FragmentShadingRateCombinerOpKHR; 2]>;
 
 /// From now on, creation on this thread returns the first result with the additions for rate attachments, and the second without.
 pub fn answer(amended: vk::Result, plain: vk::Result) {
@@ -22,9 +25,9 @@ pub fn answer_first(amended: vk::Result) {
     FIRST.set(Some(amended));
 }
 
-/// The combiners of the rate of the last call's first pipeline; `None` without a rate.
-pub fn combiners() -> Option<[vk::FragmentShadingRateCombinerOpKHR; 2]> {
-    COMBINERS.get()
+/// The combiners of the last call's pipelines.
+pub fn combiners() -> Vec<Combiners> {
+    COMBINERS.with_borrow(Clone::clone)
 }
 
 /// Creations and destructions on this thread since the last call.
@@ -90,8 +93,10 @@ unsafe extern "system" fn create_pipelines(
     let flag = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
     // SAFETY: valid usage, with at least one structure.
     unsafe {
-        let rate = find::<vk::PipelineFragmentShadingRateStateCreateInfoKHR<'_>>((*infos).p_next);
-        COMBINERS.set(rate.map(|rate| rate.combiner_ops));
+        let rates = slice(infos, count)
+            .iter()
+            .map(|info| find::<vk::PipelineFragmentShadingRateStateCreateInfoKHR<'_>>(info.p_next));
+        COMBINERS.set(rates.map(|rate| rate.map(|rate| rate.combiner_ops)).collect());
         create((*infos).flags.contains(flag), count, made)
     }
 }
