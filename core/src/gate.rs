@@ -15,7 +15,8 @@
 //!   eyes follows after [`TRIAL_REST_NS`]: the start of a game may have been its menu.
 //! - A switch waits up to a second for a saccade or blink of eyes that are tracked.
 //!
-//! A scene is a set of eye passes. A pass that comes and goes begins no scene; its frames do not count.
+//! A scene is a set of eye passes. A pass that comes and goes begins no scene; its frames do not count. Where two scenes in a row were too
+//! short for a decision, the technique is off until the next trial, whose rest is doubled each time.
 //!
 //! At a changing resolution a verdict has to hold for the cost alone and for the cost per pixel. With dynamic resolution, where the pixels
 //! follow the technique, half of the cost or more counts per pixel.
@@ -113,6 +114,10 @@ pub struct Gate {
     last_trial_ns: Option<i64>,
     last_full_ns: Option<i64>,
     last_hidden_ns: Option<i64>,
+    /// Consecutive full trials that new scenes ended.
+    cut_short: u32,
+    /// Time of the last frame.
+    now_ns: i64,
     wants_costs: bool,
     /// Time since which costs were asked for without one of the scene.
     unanswered_since_ns: Option<i64>,
@@ -138,6 +143,8 @@ impl Gate {
             last_trial_ns: None,
             last_full_ns: None,
             last_hidden_ns: None,
+            cut_short: 0,
+            now_ns: i64::MIN,
             wants_costs: true,
             unanswered_since_ns: None,
         }
@@ -151,10 +158,30 @@ impl Gate {
     /// Changes the source of the decision. Earlier decisions stay; a running trial ends without one.
     pub fn set_mode(&mut self, mode: GateMode) {
         if self.mode != mode {
-            self.trial = None;
-            self.recent.clear();
+            self.drop_trial();
         }
         self.mode = mode;
+    }
+
+    /// Forgets all decisions, because the technique or its cost has changed: it is on until a full trial decides again.
+    pub fn forget_decisions(&mut self) {
+        self.drop_trial();
+        self.scenes.forget_decisions();
+        (self.undecided, self.refused, self.cut_short) = (0, 0, 0);
+        (self.is_kept_on, self.full_trials_left) = (true, FULL_TRIALS);
+        self.evidence = Evidence::default();
+    }
+
+    /// Ends a running trial without a decision; costs of earlier frames do not count in the next one. The rest after it is that after a
+    /// complete one, so that trials that never end show no more switches. Returns whether it was a full trial.
+    fn drop_trial(&mut self) -> bool {
+        self.recent.clear();
+        let Some(running) = self.trial.take() else { return false };
+        self.last_trial_ns = Some(self.now_ns);
+        if !running.is_control {
+            self.last_full_ns = Some(self.now_ns);
+        }
+        !running.is_control
     }
 
     /// Whether the technique is on in the next frame.
@@ -213,6 +240,7 @@ impl Gate {
             return self.is_on();
         }
         let now = frame.time_ns;
+        self.now_ns = now;
         for last in [&mut self.last_trial_ns, &mut self.last_full_ns, &mut self.last_hidden_ns] {
             // A clock that restarts also restarts the rest.
             *last = last.map(|last| last.min(now));
@@ -222,7 +250,7 @@ impl Gate {
         }
         if self.scenes.frame(frame.passes, now) {
             self.unanswered_since_ns = None;
-            self.begin_scene(now);
+            self.begin_scene();
         }
         self.record_cost(frame);
         if self.trial.is_some() {
@@ -250,16 +278,17 @@ impl Gate {
     }
 
     /// Begins a scene with its earlier decision, or else with a full trial.
-    fn begin_scene(&mut self, now: i64) {
-        if self.trial.take().is_some() {
-            self.last_trial_ns = Some(now);
+    fn begin_scene(&mut self) {
+        if self.drop_trial() {
+            self.cut_short = self.cut_short.saturating_add(1);
         }
-        self.recent.clear();
         (self.undecided, self.refused) = (0, 0);
         let decision = self.scenes.decision();
         self.full_trials_left = if decision.is_none() { FULL_TRIALS } else { 0 };
         self.evidence = decision.map(|decision| decision.evidence).unwrap_or_default();
-        self.is_kept_on = decision.map_or(self.is_kept_on, |decision| decision.is_on);
+        // Scenes too short for a decision leave the technique off.
+        let is_undecided = self.cut_short >= u32::from(FULL_TRIALS);
+        self.is_kept_on = decision.map_or(self.is_kept_on && !is_undecided, |decision| decision.is_on);
     }
 
     /// Adds the frame's cost to the running trial or to the recent costs.
@@ -289,10 +318,16 @@ impl Gate {
     /// Whether a trial is due; `hidden` in a saccade or blink.
     fn is_due(&self, hidden: bool, now: i64) -> bool {
         if self.full_trials_left > 0 {
-            return has_elapsed(self.last_full_ns, TRIAL_REST_NS, now) || hidden;
+            return has_elapsed(self.last_full_ns, self.full_rest_ns(), now) || hidden;
         }
         has_elapsed(self.last_trial_ns, self.control_rest_ns(), now)
             || hidden && has_elapsed(self.last_trial_ns, self.hidden_rest_ns(), now)
+    }
+
+    /// Least time from the last full trial to the next one with open eyes, nanoseconds.
+    fn full_rest_ns(&self) -> i64 {
+        let doublings = self.cut_short.saturating_sub(1).min(8);
+        (TRIAL_REST_NS << doublings).min(CONTROL_REST_NS)
     }
 
     /// Least time from the last trial to a control with open eyes, nanoseconds.
@@ -327,6 +362,7 @@ impl Gate {
     /// Advances the running trial.
     fn advance_trial(&mut self, frame: &GateFrame) {
         let now = frame.time_ns;
+        let may_try_again = self.full_trials_left > 1 || self.scenes.decision().is_some();
         let Some(running) = &mut self.trial else { return };
         running.next = running.next.or_else(|| Some((running.step(now)?, now)));
         if self.evidence.verdict() == Verdict::Unclear && running.trial.at() > 1 && running.latest.is_some() {
@@ -335,7 +371,7 @@ impl Gate {
         let Some((step, since)) = running.next else { return };
         let is_on_after = match step {
             Step::Switch => !running.trial.is_on(),
-            Step::GiveUp => self.is_kept_on,
+            Step::GiveUp => self.is_kept_on && (running.is_control || may_try_again),
             Step::End(_, Verdict::Unclear) if running.is_control => self.is_kept_on,
             Step::End(_, verdict) => verdict == Verdict::Saves,
         };
@@ -354,7 +390,8 @@ impl Gate {
             }
             Step::End(comparison, verdict) => self.decide(comparison, verdict),
             Step::GiveUp => {
-                self.full_trials_left = 0;
+                self.is_kept_on = is_on_after;
+                self.full_trials_left = self.full_trials_left.saturating_sub(1);
                 self.undecided = self.undecided.saturating_add(1);
             }
         }
@@ -368,6 +405,7 @@ impl Gate {
 
     fn decide(&mut self, comparison: Option<Comparison>, verdict: Verdict) {
         self.is_kept_on = verdict == Verdict::Saves;
+        self.cut_short = 0;
         self.refused = if verdict == Verdict::SavesNothing { self.refused.saturating_add(1) } else { 0 };
         self.undecided = if verdict == Verdict::Unclear { self.undecided.saturating_add(1) } else { 0 };
         let is_promising = comparison.is_some_and(|comparison| comparison.is_promising());

@@ -15,7 +15,7 @@ pub use parafovea_manifest::options::{
 };
 pub use parafovea_manifest::paths::Environment;
 pub use plan::{
-    PlannedDevice, gate_modes, gaze_settings, images_for_reuse, longest_period, plan_settings,
+    PlannedDevice, changes_costs, gate_modes, gaze_settings, images_for_reuse, longest_period, plan_settings,
     wants_contrast, wants_maps, wants_reuse,
 };
 

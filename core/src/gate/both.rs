@@ -51,10 +51,25 @@ impl Gates {
         self.gates.rates.rests_ns(now).min(self.gates.reuse.rests_ns(now))
     }
 
-    /// Changes the source of each decision.
+    /// Changes the source of each decision. A technique that comes or goes by it ends a trial of the other one, whose frames would cost
+    /// more or less from then on.
     pub fn set_mode(&mut self, mode: Techniques<GateMode>) {
-        self.gates.rates.set_mode(mode.rates);
-        self.gates.reuse.set_mode(mode.reuse);
+        let Techniques { rates, reuse } = &mut self.gates;
+        let were_kept = [rates.is_kept(), reuse.is_kept()];
+        rates.set_mode(mode.rates);
+        reuse.set_mode(mode.reuse);
+        if reuse.is_kept() != were_kept[1] {
+            rates.drop_trial();
+        }
+        if rates.is_kept() != were_kept[0] {
+            reuse.drop_trial();
+        }
+    }
+
+    /// [`Gate::forget_decisions`] of both.
+    pub fn forget_decisions(&mut self) {
+        self.gates.rates.forget_decisions();
+        self.gates.reuse.forget_decisions();
     }
 
     /// Records a rendered frame, and returns the techniques that are on in the next one.

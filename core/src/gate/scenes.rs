@@ -64,6 +64,11 @@ impl Scenes {
         known.map(|known| known.1)
     }
 
+    /// Forgets the decisions in all scenes.
+    pub(super) fn forget_decisions(&mut self) {
+        self.decisions = [None; MOST];
+    }
+
     /// Stores the decision in the current scene.
     pub(super) fn decide(&mut self, decision: Decision) {
         let Some(current) = self.current else { return };

@@ -148,6 +148,22 @@ pub fn gate_modes(config: &Config) -> Techniques<GateMode> {
     Techniques { rates: of(has_rates), reuse: of(wants_reuse(config)) }
 }
 
+/// Whether an edit of the configuration changes the cost of a frame with shading rates or re-use, or of one without them: earlier decisions of
+/// the gates do not hold any more.
+pub fn changes_costs(before: &Config, now: &Config) -> bool {
+    let costs = |config: &Config| {
+        (
+            config.enabled,
+            config.rates,
+            config.reuse,
+            config.chroma.mode,
+            config.gaze.source,
+            config.audio.source,
+        )
+    };
+    costs(before) != costs(now)
+}
+
 /// The update schedule; `None` if every frame renders everything.
 fn update_settings(config: &Config) -> Option<UpdateSettings> {
     if !wants_reuse(config) {

@@ -71,6 +71,11 @@ impl Benefit {
         self.gates.set_mode(mode);
     }
 
+    /// Forgets the decisions of the gates: the techniques or their costs have changed.
+    pub fn forget_decisions(&mut self) {
+        self.gates.forget_decisions();
+    }
+
     /// The techniques of the next frame.
     pub fn is_on(&self) -> Techniques<bool> {
         let Techniques { rates, reuse } = self.gates.gates();

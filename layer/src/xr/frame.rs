@@ -62,6 +62,9 @@ pub unsafe extern "system" fn wait(
             let sleep = known.active.as_ref().map(|active| &active.plan.sleep);
             if let Some(before) = config.take_edits() {
                 edit::report(known, &before);
+                if let Some(active) = &known.active {
+                    active.plan.config_edited(&before, &config.snapshot());
+                }
                 if let Some(sleep) = sleep {
                     sleep.wake();
                 }

@@ -1,7 +1,7 @@
 //! Settings that follow from the configuration and the gates, and their delivery to the Vulkan half.
 
 use super::SessionPlan;
-use crate::config::{Config, PassRules, RatesBackend};
+use crate::config::{Config, PassRules, RatesBackend, changes_costs};
 use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
 };
@@ -12,6 +12,13 @@ use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
 impl SessionPlan {
+    /// The configuration was edited: the gates judge techniques again whose costs may be others.
+    pub fn config_edited(&self, before: &Config, now: &Config) {
+        if changes_costs(before, now) {
+            self.benefit().forget_decisions();
+        }
+    }
+
     /// Sends the Vulkan half the settings of the configuration and of the gates if they are new.
     pub fn notify_settings(&self, active: &Active, config: &Config) {
         let (techniques, wants_costs) = {

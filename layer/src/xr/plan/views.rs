@@ -224,10 +224,17 @@ pub(super) fn plan(
     }
 }
 
-/// Asks the eye tracker, where the frame is not planned but a gate waits for a saccade or a blink.
+/// Asks the eye tracker, where the frame is not planned but a gate waits for a saccade or a blink, or the gaze is recorded or shown by
+/// `parafovea gaze`.
 pub(super) fn watch(session: &Session, (active, config): (&Active, &ConfigSnapshot), time: xr::Time) {
     let state = &active.plan;
-    if state.planner().only_watches(config, active.health() == Health::Works) {
+    let can_attenuate = active.health() == Health::Works;
+    let is_asked = config.is_gaze_watched || config.gaze.record.path().is_some();
+    let is_watched = {
+        let planner = state.planner();
+        planner.only_watches(config, can_attenuate) || is_asked && !planner.has_work(config, can_attenuate)
+    };
+    if is_watched {
         let look = session.gaze.look(session, config, time);
         let head = session.head_in_world(time);
         follow(&mut state.planner(), config, look, head, time.as_nanos());

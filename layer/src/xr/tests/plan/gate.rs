@@ -1,6 +1,8 @@
 //! The gate and the cost of frames.
 
 use super::*;
+use parafovea_manifest::config::parse;
+use std::path::Path;
 
 /// The gate looks how frames are without rates, and only where there are passes that have them.
 #[test]
@@ -42,6 +44,29 @@ fn rates_that_take_a_gpu_longer_are_dropped() {
         assert!(settings.len() > 2, "it never looked: {settings:?}");
         assert_eq!(settings.last(), Some(&is_on), "{ns:?}: {settings:?}");
     }
+    GPU_NS.set(None);
+}
+
+/// Other rates are on in the next frame, although the gate has dropped the last ones; another offset of the gaze brings none back.
+#[test]
+fn edited_rates_are_judged_again() {
+    GPU_NS.set(Some([5_000_000, 7_000_000]));
+    PASSES.set(2);
+    let application = Application::new();
+    let session = session::find(application.session).unwrap();
+    (0..400).for_each(|_| application.frame());
+    let plan = &session.active.as_ref().unwrap().plan;
+    assert!(!plan.has_rates());
+    let edit = |edited: Config| {
+        let before = session.instance.config.snapshot();
+        session.instance.config.set(edited);
+        plan.config_edited(&before, &session.instance.config.snapshot());
+        application.frame();
+        plan.has_rates()
+    };
+    let parsed = |text: &str| parse(Path::new("test.toml"), text).unwrap();
+    assert!(!edit(parsed("[gaze]\noffset_deg = \"1, 0\"\n[debug]\nview = \"rates\"\n")));
+    assert!(edit(parsed("[rates]\nperipheral = \"2x1\"\n")));
     GPU_NS.set(None);
 }
 

@@ -105,6 +105,29 @@ fn gaze_is_located_once_a_frame_with_the_first_views() {
     assert_eq!(GAZE_LOCATED.get(), 1);
 }
 
+/// With nothing to plan, the eye tracker is asked only for `parafovea gaze` and for a recording.
+#[test]
+fn a_gaze_without_a_plan_is_followed_if_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("gaze.csv");
+    let record = format!("[gaze]\nrecord = {file:?}\n");
+    for (settings, is_watched, located) in [("", false, 0), ("", true, 90), (record.as_str(), false, 90)] {
+        let application = Application::new();
+        look(0.0);
+        let session = session::find(application.session).unwrap();
+        let text = format!("{settings}[rates]\nmode = \"off\"\n");
+        let mut snapshot = ConfigSnapshot::of_tests(parse(Path::new("test.toml"), &text).unwrap());
+        snapshot.is_gaze_watched = is_watched;
+        session.instance.config.set_snapshot(snapshot);
+        application.settle();
+        GAZE_LOCATED.set(0);
+        (0..90).for_each(|_| application.frame());
+        assert_eq!(GAZE_LOCATED.get(), located, "{text}");
+    }
+    let recorded = std::fs::read_to_string(&file).unwrap();
+    assert!(recorded.lines().count() > 90, "{recorded}");
+}
+
 /// Number of plans that some calls make: each looks once for the gaze.
 fn plans_of(act: &dyn Fn()) -> usize {
     GAZE_LOCATED.set(0);
