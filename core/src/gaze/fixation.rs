@@ -66,6 +66,8 @@ pub(super) struct DotLook {
     timing: DotTiming,
     samples: Vec<Sample>,
     begun_ns: Option<i64>,
+    /// From the last seen gaze to the display of its frame, nanoseconds: unseen eyes are as old when they are reported.
+    age_ns: i64,
     is_over: bool,
 }
 
@@ -79,7 +81,8 @@ struct Sample {
 impl DotLook {
     /// Begins without samples.
     pub fn new(timing: DotTiming) -> Self {
-        Self { timing, samples: Vec::with_capacity(timing.most_samples()), begun_ns: None, is_over: false }
+        let samples = Vec::with_capacity(timing.most_samples());
+        Self { timing, samples, begun_ns: None, age_ns: 0, is_over: false }
     }
 
     /// Takes the gaze of a frame that is shown at `now_ns`, which the first one begins: degrees to the left and upwards, and when
@@ -96,7 +99,11 @@ impl DotLook {
             return;
         }
         let look = look.filter(|(angles, _)| angles.iter().all(|angle| angle.is_finite()));
-        let (left_up_deg, time_ns) = look.map_or((None, now_ns), |(angles, at)| (Some(angles), at));
+        if let Some((_, at)) = look {
+            self.age_ns = now_ns.saturating_sub(at);
+        }
+        let unseen = (None, now_ns.saturating_sub(self.age_ns));
+        let (left_up_deg, time_ns) = look.map_or(unseen, |(angles, at)| (Some(angles), at));
         let is_repeated = self.samples.last().is_some_and(|last| {
             last.time_ns == time_ns && last.left_up_deg.is_some() == left_up_deg.is_some()
         });
@@ -181,4 +188,30 @@ fn median(mut values: Vec<f32>) -> f32 {
 /// Between two directions near each other, degrees.
 pub(super) fn distance(one: [f32; 2], other: [f32; 2]) -> f32 {
     (one[0] - other[0]).hypot(one[1] - other[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: i64 = 1_000_000;
+
+    /// Of samples that are 120 ms old when their frames are shown, those of the closing and opening lids count as little as fresh ones.
+    #[test]
+    fn samples_next_to_a_blink_are_left_out_whatever_their_age() {
+        for age_ms in [0, 120] {
+            let timing = DotTiming { settle_ns: 0, measured_ns: 2_000 * MS, fixation_ns: 300 * MS };
+            let mut look = DotLook::new(timing);
+            for frame in 0..100 {
+                let now_ns = (1_000 + frame * 10) * MS;
+                let is_closed = (40..60).contains(&frame);
+                look.push((!is_closed).then_some(([1.0, 2.0], now_ns - age_ms * MS)), now_ns);
+            }
+            let nearest_ms = look.without_blinks().into_iter().map(|(time_ns, _)| {
+                let blink = [40, 59].map(|frame| (1_000 + frame * 10 - age_ms) * MS);
+                blink.map(|blink_ns| (time_ns - blink_ns).abs() / MS)[usize::from(time_ns > blink[1])]
+            });
+            assert_eq!(nearest_ms.min(), Some(EYELIDS_NS / MS + 10), "{age_ms} ms old");
+        }
+    }
 }

@@ -36,8 +36,8 @@ pub struct GazeSettings {
     pub frozen_ms: f32,
     /// Turn of the head in that time above which the gaze counts as frozen, degrees: eyes that see turn against it.
     pub frozen_head_deg: f32,
-    /// Age of a sample whose time is not known, milliseconds: 45 to 81 from eye to report in three headsets (Stein et al.
-    /// 2021), of which runtimes hide a part by prediction.
+    /// Age of a sample whose time is not known when the frame is shown, milliseconds: 45 to 81 from an eye movement to the first change of the
+    /// display in three headsets with a cable (Stein et al. 2021), of which runtimes hide a part by prediction.
     pub latency_ms: f32,
 }
 

@@ -131,6 +131,54 @@ fn changes_go_unnoticed_until_60_ms_after_the_landing_and_not_after_its_arrival(
     assert!((80..=54 + 50 + 3).contains(&latest), "{latest}");
 }
 
+/// A source that predicts gives the gaze of now without a time: the landing is later than the estimate by its latency.
+#[test]
+fn tiles_keep_their_rates_until_60_ms_after_the_latest_landing() {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    let (mut coarsened, mut landed_ns) = (Vec::new(), 0);
+    for index in 0..120 {
+        let now = 1_000 * MS + index * 9 * MS;
+        let s = ((index - 80).clamp(0, 6) as f32) / 6.0;
+        let yaw_deg = 15.0 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+        // Noise: without it, samples without a time are repetitions.
+        tracker.push_at(&sample(yaw_deg + 0.02 * (index % 3) as f32, 0), now);
+        landed_ns = if index == 86 { now } else { landed_ns };
+        let state = tracker.state(now);
+        if index > 82 && state.may_coarsen() && !state.is_suppressed {
+            coarsened.push((now - landed_ns) / MS);
+        }
+    }
+    assert!(coarsened.first().is_some_and(|first| (60 - 19 - 9..150).contains(first)), "{coarsened:?}");
+}
+
+/// A sample that is too old to be used, of another source, says nothing of the time of the newest.
+#[test]
+fn a_dropped_sample_changes_no_uncertainty() {
+    let (mut tracker, mut now) = followed((0..46).map(|i| ((i - 40).max(0) as f32 * 3.0).min(15.0)), 10);
+    for _ in 0..3 {
+        now += 10 * MS;
+        tracker.push(&sample(15.0, now));
+    }
+    let before = tracker.state(now);
+    assert!(before.is_suppressed);
+    let late = GazeSample { uncertainty_ns: 90 * MS, ..sample(15.0, now - 40 * MS) };
+    tracker.push_at(&late, now);
+    assert_eq!((tracker.rejection(), tracker.state(now)), (Some(Rejection::OutOfOrder), before));
+}
+
+/// An application that pauses for five seconds right after an outlier, and asks nothing meanwhile: the eyes may be anywhere after it.
+#[test]
+fn a_pause_after_an_outlier_is_an_interruption() {
+    let noise = |i: i32| 0.3 * ((i * 7919 % 13) as f32 / 6.0 - 1.0);
+    let (mut tracker, now) = followed((0..100).map(noise), 10);
+    tracker.push(&sample(60.0, now + 10 * MS));
+    let later = now + 5_000 * MS;
+    tracker.push(&sample(0.0, later));
+    let state = tracker.state(later);
+    assert_eq!(state.phase, GazePhase::PostSaccade);
+    assert!(eccentricity(state.directions[0], yaw(0.0)).to_degrees() < 0.5, "{state:?}");
+}
+
 #[test]
 fn nothing_goes_unnoticed_after_a_blink_and_for_a_sample_alone() {
     let (mut tracker, now) = followed(vec![7.0; 100], 10);

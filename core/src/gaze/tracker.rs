@@ -35,8 +35,8 @@ const INTERRUPTION_INTERVALS: f32 = 1.5;
 /// Shortest blink: they take 100 ms and more, and trackers lose the eyes only while the lids cover the pupils.
 const BLINK_NS: i64 = 50_000_000;
 
-/// Uncertainty of a time that is not known: the greatest age beyond [`GazeSettings::latency_ms`], nanoseconds, 81 ms in the slowest of three
-/// headsets (Stein et al. 2021), beside 50.
+/// Uncertainty of a time that is not known: the greatest age beyond [`GazeSettings::latency_ms`] when the frame is shown, nanoseconds, 81 ms in
+/// the slowest of three headsets with a cable (Stein et al. 2021), less 50.
 const UNKNOWN_AGE_NS: i64 = 31_000_000;
 
 /// Longest that a motion is carried on, and that a new time between samples counts: a longer one is an interruption.
@@ -59,6 +59,8 @@ pub struct GazeTracker {
     times: SampleTimes,
     head: Head,
     views: Option<Views>,
+    /// Time of the last answer of the source, usable or not; `None` before the first.
+    answered_ns: Option<i64>,
 }
 
 /// State since the first usable sample.
@@ -115,6 +117,7 @@ impl GazeTracker {
             times: SampleTimes::default(),
             head: Head::default(),
             views: None,
+            answered_ns: None,
         }
     }
 
@@ -221,6 +224,7 @@ impl GazeTracker {
         let checked = self.check(sample, now_ns);
         self.rejection =
             checked.and_then(|sighting| self.follow(sighting, now_ns, sample.uncertainty_ns.max(0))).err();
+        self.answered_ns = Some(now_ns);
         match self.rejection {
             None => self.ended = false,
             Some(Rejection::Frozen) => self.source_ended(now_ns),
@@ -270,9 +274,8 @@ impl GazeTracker {
             uncertainty_ns,
         };
         let (settings, head_deg_s) = (&self.settings, self.head.deg_s());
-        if let Some(seen) = &mut self.seen {
-            seen.uncertainty_ns = uncertainty_ns;
-        }
+        let is_late =
+            self.answered_ns.is_some_and(|answered_ns| now_ns.saturating_sub(answered_ns) > LONGEST_NS);
         match &mut self.seen {
             None => self.seen = Some(found([sample, from_head].map(Motion::new), trust)),
             Some(seen) => {
@@ -286,6 +289,7 @@ impl GazeTracker {
                 } else if self.ended
                     || seen.interrupted
                     || gap > silent_ns(&seen.motion) && seen.motion.in_doubt().is_none()
+                    || is_late
                 {
                     // Where the eyes went meanwhile is unknown: no speed, and the same care as after a saccade. Trust begins
                     // with the next sample.
@@ -302,7 +306,7 @@ impl GazeTracker {
                         seen.settled_ns = seen.motion.landing_ns().unwrap_or(now_ns);
                     }
                     if seen.motion.newest().time_ns != before {
-                        seen.arrived_ns = now_ns;
+                        (seen.arrived_ns, seen.uncertainty_ns) = (now_ns, uncertainty_ns);
                         seen.head = head;
                         seen.trust = (seen.trust + portion(gap.min(SILENT_NS), settings.ramp_up_ms)).min(1.0);
                     }
@@ -325,7 +329,10 @@ impl GazeTracker {
         }
         match seen.motion.movement() {
             EyeMovement::Saccade => GazePhase::Saccade,
-            _ if now.saturating_sub(seen.settled_ns) < nanoseconds(self.settings.post_saccade_ms) => {
+            // The landing may have been later than its estimated time.
+            _ if now.saturating_sub(seen.settled_ns)
+                < nanoseconds(self.settings.post_saccade_ms).saturating_add(seen.uncertainty_ns) =>
+            {
                 GazePhase::PostSaccade
             }
             EyeMovement::Turning if !seen.looks_along() => GazePhase::Pursuit,
