@@ -46,7 +46,9 @@ pub(crate) use device_buffer::DeviceBuffer;
 pub(crate) use draw::{ColorTarget, color_pass};
 pub(crate) use early_return::{AppendedLayout, CompatiblePass, ReturnLayout, ReturnSet, pipeline_of_code};
 pub use error::GpuError;
-pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, depth_view, sampled_view};
+pub(crate) use image::{
+    ImageDescription, OwnedImage, array_view, attachment_view, color_view, depth_view, sampled_view,
+};
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader};
 pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw, Tiles};

@@ -27,7 +27,7 @@ mod layouts;
 mod link_table;
 mod memory_model;
 mod negotiate;
-mod newer;
+pub(crate) mod newer;
 pub(crate) mod objects;
 mod perception;
 mod planned_texels;

@@ -42,6 +42,12 @@ impl EarlyReturnParams {
         })
     }
 
+    /// Whether all fragments of a quad of 2x2 pixels return, or none does, in pictures of `extent` pixels: the derivatives of the others are undefined
+    /// otherwise. A quad at an odd edge has fragments beyond the picture, which blocks cover and the texels of a depth format do not.
+    pub fn agree_in_quads(extent: [u32; 2], format: DepthFormat) -> bool {
+        format == DepthFormat::Blocks || extent.iter().all(|side| side.is_multiple_of(2))
+    }
+
     /// Whether the fragment of a pixel in a layer returns early, by the shader's operations in their order.
     pub fn returns(&self, words: &[u32], layer: u32, [x, y]: [u32; 2]) -> bool {
         let row = (y >> self.row_shift) * self.row_words;
@@ -55,6 +61,44 @@ mod tests {
     use super::*;
     use crate::mask::{Mask, MaskView, TileRates, write_template};
     use crate::rate::ShadingRate;
+
+    /// With the fragments beyond an odd edge.
+    #[test]
+    fn fragments_of_a_quad_agree() {
+        let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
+        let formats = [
+            (DepthFormat::Blocks, RETURNS),
+            (DepthFormat::Unorm16, depths),
+            (DepthFormat::Unorm24, depths),
+            (DepthFormat::Float32, depths),
+        ];
+        let extents = [[62, 42], [61, 42], [62, 43], [37, 31]];
+        let mut refused = Vec::new();
+        for (format, depths, extent) in
+            formats.into_iter().flat_map(|(format, depths)| extents.map(|extent| (format, depths, extent)))
+        {
+            let Some(params) = EarlyReturnParams::new(extent, format, depths) else { continue };
+            if !EarlyReturnParams::agree_in_quads(extent, format) {
+                refused.push((format, extent));
+                continue;
+            }
+            let rates = [ShadingRate::R2X2.texel(); 64];
+            let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 8, rates: &rates };
+            let mut mask = Mask::new(extent, 1);
+            mask.resolve(&[MaskView { layer: 0, offset: [0; 2], extent, tiles }]);
+            let mut words = vec![0u32; format.words(extent).unwrap().layer as usize];
+            write_template(&mask, 0, format, depths, bytemuck::cast_slice_mut(&mut words));
+            for [x, y] in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| [x, y])) {
+                let own = params.returns(&words, 0, [x, y]);
+                let others = [[x ^ 1, y], [x, y ^ 1], [x ^ 1, y ^ 1]];
+                assert!(
+                    others.iter().all(|pixel| params.returns(&words, 0, *pixel) == own),
+                    "{format:?} {extent:?}"
+                );
+            }
+        }
+        assert_eq!(refused.len(), 3 + 3 + 1, "{refused:?}");
+    }
 
     #[test]
     fn fragments_of_skipped_blocks_return() {

@@ -1,7 +1,7 @@
 //! Targets of draws: one colour attachment that keeps its content.
 
 use super::framebuffer::framebuffer;
-use super::{Gpu, GpuError, Owned, color_view};
+use super::{Gpu, GpuError, Owned, attachment_view};
 use ash::vk;
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ impl ColorTarget {
         extent: vk::Extent2D,
         layer: u32,
     ) -> Result<Self, GpuError> {
-        let view = color_view(gpu, image, format, layer)?;
+        let view = attachment_view(gpu, image, format, layer)?;
         let framebuffer = framebuffer(gpu, pass, &view, extent)?;
         Ok(Self { framebuffer, _view: view, pass: Arc::clone(pass), extent })
     }

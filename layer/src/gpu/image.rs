@@ -115,6 +115,17 @@ pub(crate) fn color_view(
     layer_view(gpu, image, format, vk::ImageAspectFlags::COLOR, layer, None)
 }
 
+/// The same, to be drawn to alone: the image may have usage that its format does not support.
+pub(crate) fn attachment_view(
+    gpu: &Arc<Gpu>,
+    image: vk::Image,
+    format: vk::Format,
+    layer: u32,
+) -> Result<Owned<vk::ImageView>, GpuError> {
+    let usage = Some(vk::ImageUsageFlags::COLOR_ATTACHMENT);
+    layer_view(gpu, image, format, vk::ImageAspectFlags::COLOR, layer, usage)
+}
+
 /// The same, to be sampled alone: the image may have usage that its format does not support.
 pub(crate) fn sampled_view(
     gpu: &Arc<Gpu>,

@@ -2,7 +2,7 @@
 
 use super::compute::{ComputeLayout, ComputeSet};
 use super::framebuffer::framebuffer;
-use super::image::{color_view, depth_view};
+use super::image::{attachment_view, depth_view};
 use super::pipeline::{graphics_pipeline, shader_module};
 use super::{Gpu, GpuError, ImagePart, Owned};
 use ash::vk;
@@ -87,7 +87,7 @@ impl SampleTarget {
         let of_layer = |layer| {
             let layer = part.first_layer + layer;
             let view = match aspect {
-                SampleAspect::Color => color_view(gpu, part.image, format, layer)?,
+                SampleAspect::Color => attachment_view(gpu, part.image, format, layer)?,
                 SampleAspect::Depth => depth_view(gpu, part.image, format, layer)?,
             };
             Ok((framebuffer(gpu, &pass.pass, &view, extent)?, view))

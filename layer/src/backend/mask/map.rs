@@ -100,6 +100,9 @@ impl MaskMap {
     pub(crate) fn return_set(&self, layout: &Arc<ReturnLayout>) -> Option<vk::DescriptorSet> {
         let make = || {
             let Eligible { format, depths, .. } = self.eligible;
+            if !EarlyReturnParams::agree_in_quads(self.extent, format) {
+                return None;
+            }
             let params = EarlyReturnParams::new(self.extent, format, depths)?;
             let set = ReturnSet::new(&self.gpu, layout, self.template()?, params);
             set.inspect_err(|error| error.log("no mask")).ok()

@@ -9,6 +9,7 @@ use super::early_return::{EarlyReturn, NoEarlyReturn, discards, returning_early}
 use super::pipelines::may_render_depth;
 use crate::abi::copies::{find, slice, words};
 use crate::gpu::{AppendedLayout, CompatiblePass, Gpu, GpuError, Owned, pipeline_of_code};
+use crate::vk::newer::PIPELINE_CREATE_2_CAPTURE_DATA_KHR;
 use crate::vk::shaders::parts::{dynamic_states, own_parts};
 use arena::Arena;
 use ash::vk;
@@ -291,6 +292,15 @@ unsafe fn state_of(
     }
 }
 
+/// The kept ones of an application's flags; `None` if nothing is kept. Binaries are captured for the application's own pipeline alone: no one
+/// would release those of another one, and it would not be allowed a cache (VUID-vkCreateGraphicsPipelines-pNext-09617).
+fn kept_flags(flags: vk::PipelineCreateFlags2KHR) -> Option<vk::PipelineCreateFlags2KHR> {
+    let flags = flags.as_raw();
+    let not_kept = u64::from(NOT_KEPT.as_raw()) | PIPELINE_CREATE_2_CAPTURE_DATA_KHR.as_raw();
+    let is_served = flags & u64::from(NOT_SERVED.as_raw()) == 0;
+    is_served.then(|| vk::PipelineCreateFlags2KHR::from_raw(flags & !not_kept))
+}
+
 /// The views of the pass, and the chain of the description; `None` for an unknown structure.
 ///
 /// # Safety
@@ -329,11 +339,8 @@ unsafe fn chain_of(
             }
             vk::StructureType::PIPELINE_CREATE_FLAGS_2_CREATE_INFO_KHR => {
                 // SAFETY: a valid structure of this type is one of these.
-                let flags = unsafe { (*std::ptr::from_ref(found).cast::<Flags2<'_>>()).flags.as_raw() };
-                if flags & u64::from(NOT_SERVED.as_raw()) != 0 {
-                    return None;
-                }
-                let flags = vk::PipelineCreateFlags2KHR::from_raw(flags & !u64::from(NOT_KEPT.as_raw()));
+                let flags = unsafe { (*std::ptr::from_ref(found).cast::<Flags2<'_>>()).flags };
+                let flags = kept_flags(flags)?;
                 next = memory.many(&[Flags2 { p_next: next, flags, ..Default::default() }]).cast();
             }
             // Feedback and names of the application's own pipeline.
@@ -343,4 +350,19 @@ unsafe fn chain_of(
         }
     }
     Some((views, next))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_of_the_applications_own_pipeline_are_not_kept() {
+        let of =
+            |flags: vk::PipelineCreateFlags| vk::PipelineCreateFlags2KHR::from_raw(flags.as_raw().into());
+        let kept = of(vk::PipelineCreateFlags::DISABLE_OPTIMIZATION);
+        let own = of(vk::PipelineCreateFlags::DERIVATIVE) | PIPELINE_CREATE_2_CAPTURE_DATA_KHR;
+        assert_eq!(kept_flags(kept | own), Some(kept));
+        assert_eq!(kept_flags(kept | of(vk::PipelineCreateFlags::LIBRARY_KHR)), None);
+    }
 }

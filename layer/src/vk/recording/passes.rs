@@ -277,6 +277,8 @@ impl Buffer {
         (attachments, area, is_inline): (&Attachments, vk::Rect2D, bool),
         loading: impl FnOnce(DepthWork) -> Result<T, Unmasked>,
     ) -> (Option<Arc<Candidate>>, Option<OpenMask>, Option<T>) {
+        // Skipped pixels would be missing in the count of a query around the pass, and dispatches under a condition may not run.
+        pass.facts.is_queried |= self.recorded().is_queried();
         let candidate = self.candidate(pass, attachments);
         let covering = self.covering(attachments.depth.map(|depth| depth.target.image));
         let context = self.context((area, is_inline), attachments, covering.as_ref());

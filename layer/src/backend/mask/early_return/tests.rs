@@ -127,11 +127,14 @@ fn unknown_modules_stay_unchanged() {
     for length in 0..before.len() {
         let _ = returning_early(&before[..length], wanted("two"));
     }
-    let mut over_subgroups = before.clone();
-    over_subgroups.splice(5..5, [2 << 16 | op::CAPABILITY, OVER_SUBGROUPS[1]]);
-    assert_eq!(returning_early(&over_subgroups, wanted("two")), Err(NoEarlyReturn::Subgroups));
-    let whole = EarlyReturn { has_whole_subgroups: true, ..wanted("two") };
-    assert!(returning_early(&over_subgroups, whole).is_ok());
+    // Groups is the capability of SPV_AMD_shader_ballot.
+    for capability in [OVER_SUBGROUPS[1], 18] {
+        let mut over_subgroups = before.clone();
+        over_subgroups.splice(5..5, [2 << 16 | op::CAPABILITY, capability]);
+        assert_eq!(returning_early(&over_subgroups, wanted("two")), Err(NoEarlyReturn::Subgroups));
+        let whole = EarlyReturn { has_whole_subgroups: true, ..wanted("two") };
+        assert!(returning_early(&over_subgroups, whole).is_ok());
+    }
     let mut relaxed = before.clone();
     let parsed = Parsed::of(&before).unwrap();
     let first = parsed.instructions.iter().position(|found| found.op == op::DECORATE).unwrap();
