@@ -52,7 +52,7 @@ choice! {
         Eyes = "eyes",
         /// OSC packets at gaze.osc_listen, as eye trackers send them to VRChat; without any, wide fixed foveation and no chroma attenuation
         Osc = "osc",
-        /// always the axis of each lens: fixed foveation, for headsets without an eye tracker
+        /// always the axis of each lens: fixed foveation with the rings of rates.foveal_deg; without an eye tracker, prefer preset = "fixed", whose rings are wide
         Centre = "centre",
         /// the recording in gaze.file: for tests and demonstrations
         File = "file",
@@ -62,7 +62,7 @@ choice! {
 choice! {
     /// Model for shading rates.
     RatesMode {
-        /// the mode "audio-visual" on a GPU, and "fixed" on a CPU device, where the measurement of contrast costs more than it saves
+        /// the mode "audio-visual" on a GPU; the mode "fixed" with gaze.source = "centre", and on a CPU device, where the measurement of contrast costs more than it saves
         Auto = "auto",
         /// full rate everywhere
         Off = "off",
@@ -94,7 +94,7 @@ choice! {
         Attachment = "attachment",
         /// a mask: skips blocks of pixels and fills them from their neighbours
         Mask = "mask",
-        /// no backend: full rate everywhere
+        /// no backend: full rate everywhere, and no re-use
         Off = "off",
     }
 }
@@ -225,7 +225,7 @@ presets! {
     Preset {
         /// every technique off
         None = "none" { rates.mode = RatesMode::Off; }
-        /// few visible changes: at least a quarter of the shading in the periphery, and on a GPU at most half of the contrast loss that balanced allows
+        /// few visible changes: the periphery keeps at least a quarter of its shading, and on a GPU tiles lose at most half of the contrast that balanced allows
         Quality = "quality" {
             rates.peripheral = PeripheralRate::R2x2;
             rates.greatest_loss = 4.0;
@@ -239,9 +239,9 @@ presets! {
             rates.greatest_loss = 12.0;
             reuse.periods = Periods::of([1, 1, 2, 3, 3]);
         }
-        /// balanced with chroma attenuation, for frames that are streamed to the headset as video
+        /// balanced with chroma attenuation, for frames that are streamed to the headset as video; chroma attenuation is a slowdown, in exchange for fewer bits for colour
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
-        /// wide fixed foveation, for headsets without an eye tracker: a quarter of the shading beyond 40 degrees from the centre, an angle that the eyes reach only if the head turns
+        /// wide fixed foveation, for headsets without an eye tracker: full rate up to 30 degrees from the axis of each lens, a quarter of the shading beyond 40 degrees; people turn the head to look further than that
         Fixed = "fixed" {
             gaze.source = GazeSource::Centre;
             rates.mode = RatesMode::Fixed;
@@ -282,7 +282,7 @@ options! {
         source: GazeSource = GazeSource::Auto;
         /// Time that the last gaze stays in use after the tracker has lost the eyes, for instance in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
-        /// Delay after which the layer attaches the eye tracker to an application without OpenXR input; 0 for never. Afterwards, the application cannot set up OpenXR input.
+        /// Time that the layer waits for the application to set up its OpenXR input, such as controllers, before it attaches the eye tracker alone; with 0, it never does. If the application sets up its input later than this, its controllers do not work until a restart: set a longer time.
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
         /// Correction of the eye tracker, in degrees to the left and upwards; added to the gaze before the correction from parafovea gaze calibrate or recentre.
         offset_deg: Angles = Angles::NONE;
@@ -322,19 +322,19 @@ options! {
         mode: RatesMode = RatesMode::Auto;
         /// Backend for shading rates.
         backend: RatesBackend = RatesBackend::Auto;
-        /// Policy for shading rates and re-use that do not save time; the two are judged separately.
+        /// Protection from slowdowns: reaction to shading rates or re-use that show no clear saving of time. The two are judged separately; chroma attenuation is not judged.
         gate: RatesGate = RatesGate::Auto;
         /// Rules that name the scene's render passes; empty for automatic recognition.
         passes: PassRules = PassRules::default();
-        /// Radius of full shading rate around the gaze, for rings: with mode = "fixed", silence = "fixed" or on a CPU device, and if contrast cannot be measured. The layer adds a margin for the tracker's error and for eye movement.
+        /// Radius of full shading rate around the gaze, if rates form rings: with mode = "fixed", with gaze.source = "centre", on a CPU device, in silence with silence = "fixed", and while contrast cannot be measured. Without a gaze, the radius is at least 30 degrees. The layer adds a margin for the tracker's error and for eye movement.
         foveal_deg: f32 = 14.34, 5.0..=110.0 "degrees";
         /// Angle from the gaze at which the coarsest rate begins, for the same rings as foveal_deg. Between the two, rates become coarser step by step.
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// Coarsest shading rate, in pixels; a device without this rate uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::Auto;
-        /// Greatest contrast loss of a tile, in just-noticeable differences, for mode = "auto" on a GPU and for "audio-visual"; a lower value looks better and saves less. The limit applies to the loudest sound; it is up to 1.8 lower with quieter sound or in silence. Most tiles stay below it.
+        /// Greatest contrast loss of a tile with the loudest sound, in just-noticeable differences, for mode = "auto" on a GPU and for "audio-visual"; a lower value looks better and saves less. With quieter sound, the limit is up to 1.8 lower; in silence and with audio.source = "off", it is 1.8 lower: 6.2 by default. Most tiles lose less than the limit.
         greatest_loss: f32 = 8.0, 0.0..=16.0 "";
-        /// Shading rates in silence, for mode = "auto" and "audio-visual".
+        /// Shading rates in silence, and always with audio.source = "off", for mode = "auto" on a GPU and for mode = "audio-visual".
         silence: SilenceRule = SilenceRule::Contrast;
         /// Luminance of white in the headset, for modes that measure contrast.
         white_cd_m2: f32 = 100.0, 10.0..=2_500.0 "cd/m^2";
@@ -350,7 +350,7 @@ options! {
         periods: Periods = Periods::of([1, 1, 2, 2, 3]);
         /// Order in which regions are updated, for mode = "on".
         phase: ReusePhase = ReusePhase::Staggered;
-        /// Permission to update regions less than 30 times per second, where flicker is most visible; always given with mode = "paper".
+        /// Permission to update regions less than 30 times per second, although flicker is most visible at such rates; always given with mode = "paper".
         below_30_hz: bool = false;
         /// Render tiles with visible changes in every frame, as long as this costs less time than re-use saves; always off with mode = "paper".
         refresh: bool = true;
@@ -358,7 +358,7 @@ options! {
 
     /// Chroma attenuation: less colour away from the gaze.
     chroma: Chroma {
-        /// Chroma attenuation; attenuated colours can fall outside the colour key of ALVR's passthrough.
+        /// Chroma attenuation: a slowdown that rates.gate does not drop. With ALVR's passthrough by colour key, attenuated colours may no longer match the key.
         mode: ChromaMode = ChromaMode::Off;
         /// Parameter Z of the curve for blue-yellow (Cb), for mode = "paper"; a higher value removes more colour.
         cb_bound: f32 = 0.70, 0.70..=0.85 "";

@@ -26,15 +26,18 @@ impl AppliedRates {
         if !is_settled || !self.logged.insert(names) {
             return None;
         }
-        let share = |(name, share): &(String, f32)| format!("{name} {:.0} %", share * 100.0);
+        let share = |(name, share): &(String, f32)| {
+            let name = if name == "skipped" { "4x4 blocks skipped" } else { name };
+            format!("{name} {:.0} %", share * 100.0)
+        };
         let tiles: Vec<_> = status.rates.tiles.iter().map(share).collect();
         let passes =
             if status.passes_matched == 1 { "1 pass" } else { &format!("{} passes", status.passes_matched) };
         Some(format!(
-            "rates in {passes} ({}): {}; {:.0} % of the pixels shaded",
+            "rates in {passes} ({}): {:.0} % of the pixels shaded; tiles: {}",
             status.backend,
-            tiles.join(", "),
-            status.rates.shaded * 100.0
+            status.rates.shaded * 100.0,
+            tiles.join(", ")
         ))
     }
 }
@@ -57,7 +60,8 @@ mod tests {
         let mut applied = AppliedRates::default();
         let mut told = |status: &Status| applied.line(status);
         assert_eq!([told(&alone), told(&all), told(&masked)], [None, None, None]);
-        let line = "rates in 2 passes (mask): skipped 56 %, 1x1 44 %; 40 % of the pixels shaded";
+        let line =
+            "rates in 2 passes (mask): 40 % of the pixels shaded; tiles: 4x4 blocks skipped 56 %, 1x1 44 %";
         assert_eq!(told(&masked).as_deref(), Some(line));
         assert_eq!([told(&masked), told(&alone), told(&masked), told(&masked)], [None, None, None, None]);
         let more = status(1, &[("skipped", 0.6), ("2x2", 0.4)]);

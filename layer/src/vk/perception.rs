@@ -316,7 +316,7 @@ impl Perception {
         match eye_buffers::target(tools, record, texel, tiles) {
             Ok(new) => Some(self.state().eye_buffers.keep(record, queue, tiles, new)),
             Err(error) => {
-                error.log("an image was not analysed");
+                error.log("the contrast of an image cannot be measured");
                 None
             }
         }

@@ -332,7 +332,7 @@ impl Timer {
             match unsafe { Queries::new(&functions.device, spare, self.valid_bits) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),
                 Err(error) => {
-                    error.log("frames are not timed");
+                    error.log("some frames are not timed, so rates.gate cannot judge them");
                     self.has_failed = true;
                 }
             }

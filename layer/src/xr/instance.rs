@@ -238,7 +238,7 @@ unsafe fn create_with_eye_gaze(
         EyeGaze::Missing | EyeGaze::Added(_) if !may_add => (create(info), GazeExtension::Off),
         EyeGaze::Missing => {
             tracing::info!(
-                "no eye tracker: this runtime does not offer XR_EXT_eye_gaze_interaction; gaze.source = \"osc\" and \"centre\" do not need it"
+                "no eye tracker: this runtime does not offer XR_EXT_eye_gaze_interaction; OSC packets and preset = \"fixed\" do not need it"
             );
             (create(info), GazeExtension::Off)
         }

@@ -193,7 +193,7 @@ mod tests {
             "  age       58 ms at display time",
             "  valid     in 98 % of the frames",
             "  noise     0.12 degrees from sample to sample in fixations",
-            "  delay     63 ms from an eye movement to the display of the frame planned with its packet, measured with the runtime's eye tracker; until then, 50 ms were assumed",
+            "  delay     63 ms from an eye movement to the first displayed frame with the new gaze, measured with the runtime's eye tracker; 50 ms were assumed before",
             "  blinks    4",
             "  saccades  37",
             "  drift     the mean gaze has drifted by 2.1 degrees since the first five minutes; if the headset slipped: parafovea gaze recentre",

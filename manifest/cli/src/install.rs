@@ -23,7 +23,7 @@ enum Failure {
     #[error("{LIBRARY_NAME} is in none of these places: {}; give its path with --library", list(.0))]
     NoLibrary(Vec<PathBuf>),
     #[error(
-        "the layer is already installed, and a second installation would be loaded as well: {}; to install it here, first remove that: {removal}",
+        "the layer is already installed, and games would load a second installation too: {}; to install it here, first remove the other: {removal}",
         list(.paths)
     )]
     InstalledElsewhere { paths: Vec<PathBuf>, removal: String },
@@ -76,7 +76,7 @@ pub fn uninstall(scope: Scope) -> ExitCode {
     });
     if !kept.is_empty() {
         crate::print(&format!(
-            "kept, because Parafovea did not install it, or it was edited: {}\n",
+            "kept, because Parafovea did not install these files, or they were edited: {}\n",
             list(&kept)
         ));
     }

@@ -22,7 +22,7 @@ pub fn run(command: &[OsString]) -> ExitCode {
     }
     if !is_installed() {
         eprintln!(
-            "parafovea: the loaders cannot find the layer, so it has no effect; to install it: parafovea install"
+            "parafovea: the layer is not installed in the usual folders, so it may have no effect; to install it: parafovea install; to check: parafovea doctor"
         );
     }
     let mut application = Command::new(program);

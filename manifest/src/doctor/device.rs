@@ -53,7 +53,11 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
 }
 
 fn unknown(what: &str, reason: &str) -> Finding {
-    Finding::note("cannot-check", format!("cannot check the {what}: {reason}"), "The other findings hold.")
+    Finding::note(
+        "cannot-check",
+        format!("cannot check the {what}: {reason}"),
+        "This does not affect the other checks.",
+    )
 }
 
 fn not_listed(half: Half) -> Finding {
@@ -191,7 +195,7 @@ fn of_runtime(runtime: &RuntimeAnswer, config: &Config) -> Vec<Finding> {
             Finding::warning(
                 "no-eye-gaze",
                 format!("{} does not offer eye tracking (XR_EXT_eye_gaze_interaction)", runtime.name),
-                "Shading rates are fixed around the axis of each lens.",
+                "Without OSC packets of an eye tracker, shading rates are fixed around the axis of each lens.",
             )
             .advise(without_eyes),
         );
@@ -201,7 +205,7 @@ fn of_runtime(runtime: &RuntimeAnswer, config: &Config) -> Vec<Finding> {
             Finding::warning(
                 "no-eye-tracker",
                 format!("{headset} does not track eyes"),
-                "Shading rates are fixed around the axis of each lens.",
+                "Without OSC packets of an eye tracker, shading rates are fixed around the axis of each lens.",
             )
             .advise(format!(
                 "turn on eye tracking in the headset and its runtime, if available; {without_eyes}"
@@ -229,7 +233,7 @@ fn without_eyes(config: &Config) -> String {
     let address = config.gaze.osc_listen.socket();
     let auto = if config.gaze.source == GazeSource::Eyes { "set gaze.source = \"auto\" and " } else { "" };
     format!(
-        "for an eye tracker with a program of its own, {auto}let the program send OSC packets to {address}; for fixed foveation, \
-         set preset = \"fixed\" (gaze.source = \"centre\")"
+        "for an eye tracker with a program of its own, {auto}let the program send OSC packets to {address}; for fixed foveation \
+         without an eye tracker, set preset = \"fixed\", which sets gaze.source = \"centre\" and wide rings"
     )
 }

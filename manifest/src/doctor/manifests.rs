@@ -83,7 +83,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
                         format!("the {name} loader finds {} {} times", several[0].path.display(), several.len()),
                         "It loads every layer of that folder as many times. Some layers fail if they are loaded twice.",
                     )
-                    .advise("name each folder once in XDG_DATA_DIRS and XDG_CONFIG_DIRS, and leave out your XDG_DATA_HOME there"),
+                    .advise("name each folder once in XDG_DATA_DIRS and XDG_CONFIG_DIRS, and remove ~/.local/share (or your XDG_DATA_HOME) from them: loaders search it anyway"),
                 );
             }
         }

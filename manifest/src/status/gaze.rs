@@ -49,7 +49,7 @@ impl Gaze {
     pub fn packet_delay(&self) -> Option<String> {
         let delay = self.packet_delay_ms?;
         Some(format!(
-            "{delay:.0} ms from an eye movement to the display of the frame planned with its packet, measured with the runtime's eye tracker; until then, {ASSUMED_DELAY_MS} ms were assumed"
+            "{delay:.0} ms from an eye movement to the first displayed frame with the new gaze, measured with the runtime's eye tracker; {ASSUMED_DELAY_MS} ms were assumed before"
         ))
     }
 

@@ -134,8 +134,8 @@ impl SessionActions {
                 }
             }
             Attachment::Alone { .. } => tracing::error!(
-                "the application attached action sets after the layer did, so its input does not work: {result:?}; set \
-                 gaze.attach_alone_after_s = 0"
+                "the application set up its OpenXR input after the layer attached the eye tracker, so its controllers do not work: {result:?}; \
+                 set gaze.attach_alone_after_s = 0 for this application, and restart it"
             ),
             _ => {}
         }
@@ -264,7 +264,7 @@ impl SessionActions {
             space(session, gaze)
         };
         tracing::info!(
-            "the application has no action sets; attaching that of the eye tracker returned {result:?}"
+            "the application set up no OpenXR input within gaze.attach_alone_after_s: attaching the eye tracker alone returned {result:?}"
         );
         self.state().attachment = match space {
             Some(space) => Attachment::Alone { gaze, space },

@@ -15,7 +15,7 @@ pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>) -> String {
         ));
     }
     if gone > 0 {
-        text.push(format!("Not responding: {gone} (crashed or hanging).\n"));
+        text.push(format!("Not responding: {gone} (number of applications that crashed or hang).\n"));
     }
     text.join("\n")
 }

@@ -76,7 +76,7 @@ fn installs_says_so_and_uninstalls() {
     let removed = parafovea(home.path(), &["uninstall"]);
     let text = printed(&removed);
     assert!(removed.status.success() && text.lines().count() == 3, "{text}");
-    assert!(text.contains(&format!("it was edited: {}", manifest.display())), "{text}");
+    assert!(text.contains(&format!("they were edited: {}", manifest.display())), "{text}");
 }
 
 #[test]
@@ -273,7 +273,7 @@ fn a_second_installation_is_refused() {
     printed(&install("usr/share"));
     let refused = complained(&install(".local/share"));
     assert!(refused.contains("already installed") && refused.contains("usr/share/vulkan"), "{refused}");
-    assert!(refused.contains("first remove that: the package manager"), "{refused}");
+    assert!(refused.contains("first remove the other: the package manager"), "{refused}");
     assert!(!home.path().join(".local").exists());
     let kept = Command::new(env!("CARGO_BIN_EXE_parafovea"))
         .arg("uninstall")
