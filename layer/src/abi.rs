@@ -10,6 +10,7 @@ pub mod guard;
 pub mod local_time;
 pub mod own_folder;
 pub mod pnext;
+pub mod threads;
 pub mod time_slice;
 
 pub use enablement::Enablement;

@@ -19,6 +19,7 @@ pub use plan::{
     wants_contrast, wants_maps, wants_reuse,
 };
 
+use crate::abi::threads::spawn;
 use crate::abi::{attempt, executable};
 use crate::log::EDIT;
 use arc_swap::ArcSwap;
@@ -27,7 +28,7 @@ use parafovea_manifest::status::{AskedView, GazeWatch, Settings};
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::{Builder, sleep};
+use std::thread::sleep;
 use std::time::{Duration, SystemTime};
 
 /// Time between two looks. An edit applies at the second look that finds it, within half a second.
@@ -156,7 +157,7 @@ impl LiveConfig {
             let Some(shared) = shared.upgrade() else { break };
             attempt("edits of the configuration", || shared.look(SystemTime::now()));
         };
-        if let Err(error) = Builder::new().name("parafovea-config".to_owned()).spawn(watch) {
+        if let Err(error) = spawn("parafovea-config", watch) {
             tracing::warn!(
                 "edits of the configuration take effect after a restart: cannot start a thread: {error}"
             );

@@ -22,13 +22,14 @@ pub use signal::SignalQuality;
 pub use snapshot::{GateStatus, StatusSnapshot};
 pub use unseen::{Known, why_unseen};
 
+use crate::abi::threads::spawn;
 use crate::inputs::gaze::correction::CorrectionRequests;
 use applied_rates::AppliedRates;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Settings, Status, StatusFile};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{Builder, sleep};
+use std::thread::sleep;
 use std::time::Duration;
 
 /// Time between the request to the application's thread and the write of the file: some frames.
@@ -90,9 +91,7 @@ impl StatusReporter {
                 sleep(ASKED_BEFORE);
             }
         };
-        Builder::new()
-            .name("parafovea-state".to_owned())
-            .spawn(write)
+        spawn("parafovea-state", write)
             .inspect_err(|error| {
                 tracing::warn!("parafovea status will not show this session: cannot start a thread: {error}")
             })

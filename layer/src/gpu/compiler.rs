@@ -12,12 +12,13 @@ pub(crate) use compilation::Compilation;
 pub(crate) use later::Later;
 
 use super::GpuError;
+use crate::abi::threads::spawn;
 use crate::link::DeviceRecord;
 use ash::vk;
 use later::{Slot, Task};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
-use std::thread::{Builder, JoinHandle, current, sleep};
+use std::thread::{JoinHandle, current, sleep};
 use std::time::{Duration, Instant};
 
 /// The compiler of one device.
@@ -103,7 +104,7 @@ impl Compiler {
         if !queue.is_working {
             at_exit();
             let work = Arc::clone(&self.work);
-            match Builder::new().name("parafovea-compile".to_owned()).spawn(move || work.run()) {
+            match spawn("parafovea-compile", move || work.run()) {
                 Ok(thread) => (queue.thread, queue.is_working) = (Some(thread), true),
                 Err(error) => tracing::warn!(
                     "all techniques that need pipelines of the layer are off: cannot start a thread: {error}"

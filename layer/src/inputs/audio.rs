@@ -4,13 +4,13 @@
 mod features_file;
 
 use crate::abi::audio_library::Capture;
+use crate::abi::threads::spawn;
 use crate::config::{AudioMode, AudioSource, Config, FilePath};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_manifest::audio_library::{FeaturesRecord, SOURCE_FILE, SOURCE_SYSTEM, SettingsRecord};
 use std::ptr::null;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
-use std::thread::Builder;
 use std::time::Duration;
 
 /// Interval between looks for log lines of the library that captures.
@@ -123,7 +123,7 @@ impl Listening {
         let shared = Arc::new(Shared::default());
         let theirs = shared.clone();
         let run = move || listen(&wanted, &theirs);
-        if let Err(error) = Builder::new().name("parafovea-audio".to_owned()).spawn(run) {
+        if let Err(error) = spawn("parafovea-audio", run) {
             tracing::warn!("sound: not captured: cannot start a thread: {error}");
         }
         Self { wanted, shared }

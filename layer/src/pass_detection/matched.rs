@@ -1,5 +1,6 @@
 //! The answer of recognition.
 
+use super::Pass;
 use ash::vk;
 use smallvec::SmallVec;
 use std::fmt;
@@ -12,6 +13,17 @@ pub struct Match {
     pub parts: SmallVec<[Part; 4]>,
     /// Evidence of the match.
     pub how: How,
+}
+
+impl Match {
+    /// Whether every layer that the pass draws shows an eye: one layer of rates for all of them then makes no other content coarse, such as the
+    /// insets of quad views.
+    pub fn shows_all_layers(&self, pass: &Pass) -> bool {
+        let layers = pass.colors.first().map_or(0, |target| target.layers);
+        let is_drawn = |layer: &u32| pass.view_mask == 0 || pass.view_mask & (1 << layer) != 0;
+        let all = if pass.view_mask == 0 { 0..layers } else { 0..u32::BITS };
+        all.filter(is_drawn).all(|layer| self.parts.iter().any(|part| part.layer == layer))
+    }
 }
 
 /// A rectangle of a target that shows a whole eye buffer.
@@ -146,5 +158,39 @@ impl fmt::Display for Unmatched {
             Self::Excluded => "excluded by rates.passes",
             Self::New => "absent from earlier frames",
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pass_detection::{ImageKey, PassFacts, Target};
+
+    /// Four views of one multiview pass: two eyes, and two insets.
+    #[test]
+    fn insets_are_no_layers_of_eyes() {
+        let part = |layer| Part {
+            eyes: Eyes::Left,
+            layer,
+            rect: [0.0, 0.0, 1.0, 1.0],
+            orientation: Orientation::Upright,
+        };
+        let eyes = Match { parts: SmallVec::from_iter([part(0), part(1)]), how: How::Swapchain };
+        let pass = |layers, view_mask| Pass {
+            colors: SmallVec::from_iter([Target { image: ImageKey(1), level: 0, base_layer: 0, layers }]),
+            resolves: SmallVec::new(),
+            depth: None,
+            area: [0, 0, 64, 64],
+            region: [0, 0, 64, 64],
+            view_mask,
+            facts: PassFacts::default(),
+            unmasked: None,
+            draws: None,
+        };
+        for (layers, view_mask, all) in
+            [(4, 0b1111, false), (4, 0b11, true), (2, 0b11, true), (2, 0, true), (1, 0, true), (4, 0, false)]
+        {
+            assert_eq!(eyes.shows_all_layers(&pass(layers, view_mask)), all, "{layers} {view_mask:b}");
+        }
     }
 }

@@ -252,7 +252,8 @@ fn recognise_passes(
                 continue;
             }
             add(followed, candidate);
-            let matched = matched.filter(|_| is_on);
+            let has_layers = candidate.map.size().layers > 1;
+            let matched = matched.filter(|found| is_on && (has_layers || found.shows_all_layers(pass)));
             let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);
             if !parts.is_empty() {
                 log.has_rates();

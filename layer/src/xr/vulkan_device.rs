@@ -47,6 +47,11 @@ pub enum NotLinked {
     /// The Vulkan half comes from another version of this library.
     #[error("the Vulkan half has interface version {0}, the OpenXR half {LINK_VERSION}")]
     OtherVersion(u32),
+    /// Handles of the application are not those of the driver, and images of one kind would reach functions of the other.
+    #[error(
+        "a Vulkan layer between the application and this one, such as RenderDoc's, gives the application handles of its own"
+    )]
+    Wrapped,
     /// The Vulkan half is present, but keeps this device inert.
     #[error("the Vulkan half keeps this device inert")]
     Inert,
@@ -58,6 +63,11 @@ fn no_vulkan_half() -> NotLinked {
         Some(_) => NotLinked::Filtered,
         None => NotLinked::NoVulkanHalf,
     }
+}
+
+/// Whether the device of a record is the application's. The loader finds it by its dispatch table, which a handle of another layer has, too.
+fn is_same(known: vk::Device, device: vk::Device) -> Result<(), NotLinked> {
+    if known == device { Ok(()) } else { Err(NotLinked::Wrapped) }
 }
 
 impl VulkanDevice {
@@ -99,6 +109,7 @@ impl VulkanDevice {
             device_armed(Arming::Inert);
             return Err(NotLinked::Inert);
         };
+        is_same(record.device, device)?;
         Arming::from_number(record.arming).inspect(|arming| device_armed(*arming));
         let queue = (binding.queue_family_index, binding.queue_index);
         Ok(Self { table, record, queue, capabilities: capabilities(&table, device) })
@@ -345,5 +356,18 @@ impl Drop for RuntimeSection {
     fn drop(&mut self) {
         // SAFETY: as on entering it.
         unsafe { (self.0)(0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// RenderDoc's handle has the dispatch table of the device, and so finds its record.
+    #[test]
+    fn a_handle_of_another_layer_is_out_of_reach() {
+        let [known, wrapped] = [0x1000, 0x2000].map(vk::Device::from_raw);
+        assert_eq!(is_same(known, known), Ok(()));
+        assert_eq!(is_same(known, wrapped), Err(NotLinked::Wrapped));
     }
 }

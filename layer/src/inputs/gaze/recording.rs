@@ -4,6 +4,7 @@
 
 use super::Look;
 use super::script::GazeLine;
+use crate::abi::threads::spawn;
 use glam::Vec3;
 use std::fs::OpenOptions;
 use std::io::{BufWriter, ErrorKind, Write};
@@ -40,9 +41,7 @@ impl Recording {
         path.parent().filter(|folder| !folder.as_os_str().is_empty()).map(Path::metadata).transpose()?;
         let (lines, waiting) = sync_channel(MOST_WAITING);
         let path = path.to_owned();
-        let writer = std::thread::Builder::new()
-            .name("parafovea-gaze".to_owned())
-            .spawn(move || write(&path, &waiting))?;
+        let writer = spawn("parafovea-gaze", move || write(&path, &waiting))?;
         Ok(Self { lines: Some(lines), writer: Some(writer), newest: None, age_ns: 0 })
     }
 

@@ -5,6 +5,7 @@
 
 mod file;
 
+use crate::abi::threads::spawn;
 use crate::cache_file;
 use crate::vk::shaders::effects::FragmentShaders;
 use smallvec::SmallVec;
@@ -12,7 +13,7 @@ use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
-use std::thread::{Builder, sleep};
+use std::thread::sleep;
 use std::time::Duration;
 
 /// An identifier, of up to 32 bytes (`VK_MAX_SHADER_MODULE_IDENTIFIER_SIZE_EXT`).
@@ -119,7 +120,7 @@ impl KnownShaders {
             sleep(WRITTEN_AFTER);
             known.write();
         };
-        if let Err(error) = Builder::new().name("parafovea-facts".to_owned()).spawn(write) {
+        if let Err(error) = spawn("parafovea-facts", write) {
             tracing::debug!("results of shader analysis could not be stored: cannot start a thread: {error}");
         }
     }

@@ -3,6 +3,7 @@
 
 use super::work::{FrameTask, PlanWork};
 use crate::abi::cores::{Cores, current_core};
+use crate::abi::threads::spawn;
 use crate::abi::{guard, time_slice};
 use crate::link::{AwaitedPlan, FrameStart};
 use std::ffi::c_void;
@@ -134,8 +135,8 @@ impl PlanThread {
         let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
         if matches!(*thread, Thread::NotBegun) {
             let shared = Arc::clone(&self.shared);
-            let built = std::thread::Builder::new().name("parafovea-plan".to_owned());
-            *thread = built.spawn(move || shared.run()).map_or(Thread::Ended, Thread::Runs);
+            let begun = spawn("parafovea-plan", move || shared.run());
+            *thread = begun.map_or(Thread::Ended, Thread::Runs);
         }
         matches!(*thread, Thread::Runs(_))
     }

@@ -39,7 +39,8 @@ pub unsafe extern "system" fn enumerate_images(
     guard("xrEnumerateSwapchainImages", pass_on, |answer| {
         let Some(ours) = virtual_one() else {
             let result = answer.record(below());
-            if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
+            // With XR_SESSION_LOSS_PENDING, too.
+            if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
                 // SAFETY: the call succeeded with these arguments.
                 known.notify_images(&unsafe { runtimes(capacity, count, images) });
             }

@@ -3,6 +3,7 @@
 use super::assembly::{OscGaze, OscLook};
 use super::budget::Budget;
 use super::message::{MOST_BYTES, needs_decoding, read};
+use crate::abi::threads::spawn;
 use std::io::{self, ErrorKind};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -60,9 +61,7 @@ impl Listener {
             is_ending: AtomicBool::new(false),
         });
         let (theirs, begun) = (shared.clone(), Instant::now());
-        let thread = std::thread::Builder::new()
-            .name("parafovea-osc".to_owned())
-            .spawn(move || receive(&theirs, begun))?;
+        let thread = spawn("parafovea-osc", move || receive(&theirs, begun))?;
         Ok(Self { shared, thread: Some(thread), wake, begun })
     }
 

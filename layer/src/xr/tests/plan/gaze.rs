@@ -7,6 +7,7 @@ use rosc::{OscMessage, OscPacket, OscType, encoder::encode};
 use std::net::UdpSocket;
 use std::path::Path;
 use std::thread::sleep;
+use std::time::Instant;
 
 #[test]
 fn a_gaze_that_moves_between_begin_and_locate_is_in_the_plan_before_the_application_draws() {
@@ -124,8 +125,13 @@ fn a_gaze_without_a_plan_is_followed_if_asked_for() {
         (0..90).for_each(|_| application.frame());
         assert_eq!(GAZE_LOCATED.get(), located, "{text}");
     }
-    let recorded = std::fs::read_to_string(&file).unwrap();
-    assert!(recorded.lines().count() > 90, "{recorded}");
+    // A thread writes it.
+    let recorded = || std::fs::read_to_string(&file).unwrap().lines().count();
+    let begun = Instant::now();
+    while recorded() <= 90 && begun.elapsed() < Duration::from_secs(20) {
+        sleep(Duration::from_millis(5));
+    }
+    assert!(recorded() > 90, "{}", recorded());
 }
 
 /// Number of plans that some calls make: each looks once for the gaze.
