@@ -175,8 +175,13 @@ impl Recognition {
             if target.level != 0 {
                 return Err(Unmatched::Level(target.level));
             }
-            let found = match described.swapchain {
+            let shown = self.swapchains.shown_of(Some(described));
+            let found = match shown {
                 Some(swapchain) => self.swapchains.parts(self.frame, swapchain, target, pass.area),
+                // It may be shown at the end of the frame.
+                None if described.swapchain.is_some() && self.memory.is_young(self.frame, target.image) => {
+                    Err(Unmatched::NotShown)
+                }
                 None => self.memory.parts(self.frame, target, pass.area),
             };
             match found {
@@ -184,7 +189,7 @@ impl Recognition {
                 Err(Unmatched::New) => {}
                 Err(other) => reason = reason.or(Some(other)),
                 Ok(found) => {
-                    let by = if described.swapchain.is_some() { How::Swapchain } else { How::Transferred };
+                    let by = if shown.is_some() { How::Swapchain } else { How::Transferred };
                     how = Some(how.map_or(by, |how: How| how.min(by)));
                     merge(&mut parts, &found);
                 }

@@ -3,7 +3,9 @@
 use super::memory::Memory;
 use super::placement::{self, Areas, Placement, Placements};
 use super::{HOLD, Parts};
-use crate::pass_detection::{Eye, Eyes, Orientation, Shown, ShownView, SwapchainKey, Target, Unmatched};
+use crate::pass_detection::{
+    Eye, Eyes, ImageDescription, Orientation, Shown, ShownView, SwapchainKey, Target, Unmatched,
+};
 
 /// So many frames after it was last shown, a swapchain is forgotten.
 const FORGOTTEN_AFTER: u64 = 600;
@@ -64,6 +66,12 @@ impl Swapchains {
             self.known.len() - 1
         });
         &mut self.known[index]
+    }
+
+    /// The swapchain of an image, if it was shown lately. An API layer between the application and the runtime may draw the application's
+    /// swapchains into its own, and show only these: the images of the others are like any off-screen one.
+    pub(super) fn shown_of(&self, image: Option<ImageDescription>) -> Option<SwapchainKey> {
+        image?.swapchain.filter(|key| self.get(*key).is_some())
     }
 
     fn get(&self, key: SwapchainKey) -> Option<&Swapchain> {

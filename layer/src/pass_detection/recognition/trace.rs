@@ -3,7 +3,7 @@
 use super::memory::Memory;
 use super::placement::Placements;
 use super::projected::Swapchains;
-use crate::pass_detection::{Event, ImageKey, Target, Transfer, TransferKind};
+use crate::pass_detection::{Event, Target, Transfer, TransferKind};
 
 /// Notes the images that become eye buffers, or flat layers, by the transfers of a frame. Last to first, so that
 /// chains of them are followed in one go.
@@ -28,10 +28,11 @@ pub(super) fn transfers(frame: u64, events: &[Event], swapchains: &Swapchains, m
 
 fn follow(frame: u64, transfer: &Transfer, swapchains: &Swapchains, memory: &mut Memory) {
     let (from, to) = (transfer.from.image, transfer.to.image);
-    if is_swapchain(memory, from) || from == to {
+    let shown_of = |image| swapchains.shown_of(memory.description(image));
+    if shown_of(from).is_some() || from == to {
         return;
     }
-    let (placements, is_flat): (Placements, bool) = match memory.description(to).and_then(|to| to.swapchain) {
+    let (placements, is_flat): (Placements, bool) = match shown_of(to) {
         Some(key) => (swapchains.placements(key).into(), swapchains.is_flat(frame, key)),
         None => (memory.placements(to).into(), memory.is_flat(frame, to)),
     };
@@ -41,10 +42,6 @@ fn follow(frame: u64, transfer: &Transfer, swapchains: &Swapchains, memory: &mut
     for placement in placements.iter().filter_map(|placement| placement.before(transfer)) {
         memory.place(frame, from, placement);
     }
-}
-
-fn is_swapchain(memory: &Memory, image: ImageKey) -> bool {
-    memory.description(image).is_some_and(|image| image.swapchain.is_some())
 }
 
 /// The resolve at the end of a pass: pixel for pixel, within the render area.

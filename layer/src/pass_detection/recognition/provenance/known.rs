@@ -38,7 +38,7 @@ impl Known<'_> {
 
     pub(super) fn writes_picture(&self, pass: &Pass) -> bool {
         pass.colors.iter().chain(&pass.resolves).any(|target| {
-            match self.memory.description(target.image).and_then(|image| image.swapchain) {
+            match self.swapchains.shown_of(self.memory.description(target.image)) {
                 Some(swapchain) => self.swapchains.shows_eyes(swapchain, target),
                 None => self.memory.is_placed(self.frame, target.image),
             }

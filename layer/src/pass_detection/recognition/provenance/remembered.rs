@@ -123,7 +123,7 @@ impl Structure {
         let flags = [
             known.memory.is_placed(known.frame, image),
             known.memory.is_drawn(image),
-            described.swapchain.is_some(),
+            known.swapchains.shown_of(Some(described)).is_some(),
         ];
         let flags = flags.into_iter().fold(0, |flags, flag| flags << 1 | u32::from(flag));
         let [width, height] = described.extent;

@@ -186,3 +186,30 @@ fn an_interface_over_the_picture_that_samples_the_scene() {
         }
     }
 }
+
+/// An API layer draws the application's swapchains into its own, and shows only these. An interface in a swapchain that nothing shows, drawn all
+/// the same, is no eye.
+#[test]
+fn swapchains_that_an_api_layer_shows_in_its_own() {
+    for copies in [false, true] {
+        let mut app = Application::default();
+        let [own, interface] = [app.eyes(), app.eyes()];
+        let eyes = app.eyes();
+        app.run(12, |app| {
+            for ((drawn, panel), shown) in own.iter().zip(&interface).zip(&eyes) {
+                let (from, to) = (app.current(drawn), app.current(shown));
+                app.drawn("panel", &[app.current(panel)], true, scene(&[]));
+                app.drawn("scene", &[from], true, scene(&[]));
+                match copies {
+                    true => app.copy(from, to),
+                    false => app.drawn("layer", &[to], false, full_screen(&[from])),
+                }
+            }
+            app.show(&app.both(&eyes));
+        });
+        let outcomes = app.outcomes("scene");
+        let last = outcomes.last().unwrap().1.as_ref().unwrap();
+        assert_eq!(last.how, if copies { How::Transferred } else { How::Shape });
+        assert!(app.outcomes("panel").iter().all(|(_, outcome)| outcome.is_err()));
+    }
+}
