@@ -4,6 +4,7 @@
 //! frame's xrEndFrame. Images that are created in every frame are known by their shape and their place among the passes of that shape.
 
 mod candidate;
+mod computed;
 mod feedback;
 mod listing;
 mod memory;
@@ -19,6 +20,7 @@ mod trace;
 use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, SwapchainKey, Unmatched};
 use crate::status::Topic;
 pub use candidate::holds_colours;
+use computed::ComputedPictures;
 pub use feedback::Feedback;
 use feedback::FeedbackEvidence;
 use listing::Listing;
@@ -48,6 +50,7 @@ pub struct Recognition {
     feedback: FeedbackEvidence,
     /// Number of the last frame in which the picture was drawn without passes before it.
     drawn_directly_at: Option<u64>,
+    computed: ComputedPictures,
     rules: PassRules,
     repetition: Repetition,
 }
@@ -78,9 +81,10 @@ impl Recognition {
             return false;
         }
         self.frame += 1;
-        self.memory.meet(self.frame, events, describe);
+        self.memory.meet(self.frame, events, shown, describe);
         self.swapchains.show(self.frame, shown, &mut self.memory);
         trace::transfers(self.frame, events, &self.swapchains, &mut self.memory);
+        self.computed.take(events, shown, (&self.swapchains, &self.memory));
         self.find_candidates(events, shown);
         if !shown.views.is_empty() {
             self.memory.count_misses(self.frame);
@@ -235,7 +239,12 @@ impl Recognition {
 
     /// Works out where the picture comes from, and remembers it by image.
     fn find_candidates(&mut self, events: &[Event], shown: &Shown) {
-        let known = Known { frame: self.frame, memory: &self.memory, swapchains: &self.swapchains };
+        let known = Known {
+            frame: self.frame,
+            memory: &self.memory,
+            swapchains: &self.swapchains,
+            are_pictures_computed: self.computed.are_found(),
+        };
         let mut told = self.provenance.learn(events, &known, false);
         // Long without a camera before the reader: it reads passes from before the last xrEndFrame, submitted on a thread of their own.
         let was_found = self.found_at.is_some_and(|at| self.frame < at + HOLD);

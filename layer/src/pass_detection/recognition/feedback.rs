@@ -220,7 +220,7 @@ impl EyePicture {
 
 /// Whether an event copies content that earlier transfers of the frame copied from an image drawn by a pass, as far as is known.
 fn copies_drawn(events: &[Event], index: usize, memory: &Memory) -> bool {
-    let Event::Transfer(last) = &events[index] else { return false };
+    let Some(Event::Transfer(last)) = events.get(index) else { return false };
     let mut image = last.from.image;
     for event in events[..index].iter().rev() {
         match event {

@@ -6,7 +6,9 @@ use super::projected::UNSTEADY;
 use super::provenance::Role;
 use super::roles::Roles;
 use super::{HOLD, Parts};
-use crate::pass_detection::{Event, Eyes, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
+use crate::pass_detection::{
+    Event, Eyes, ImageDescription, ImageKey, Shown, SwapchainKey, Target, Unmatched,
+};
 use rustc_hash::FxHashMap;
 
 /// Number of frames with an image, but without new evidence, after which knowledge of the image is dropped.
@@ -89,13 +91,17 @@ impl Evidence {
 }
 
 impl Memory {
-    /// Takes the images of a frame's events, first to last.
+    /// Takes the images of a frame's events, first to last, and the `shown` ones, which compute may have written.
     pub(super) fn meet(
         &mut self,
         frame: u64,
         events: &[Event],
+        shown: &Shown,
         describe: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) {
+        for image in shown.views.iter().filter_map(|view| view.image) {
+            self.entry(frame, image, &describe);
+        }
         for event in events {
             match event {
                 Event::Pass(pass) => {

@@ -95,7 +95,7 @@ enum Origins {
 /// Findings of a frame besides roles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Findings {
-    /// The last event that may read anything and makes the picture.
+    /// The last event that may read anything and makes the picture; the number of events for compute after all of them.
     pub(super) unknown_reader: Option<usize>,
     /// Number of cameras that it may read and that look like an eye.
     pub(super) candidates: usize,
@@ -154,7 +154,9 @@ impl Provenance {
     fn walk(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Findings {
         self.find_sampled(events, known);
         self.find_sole(events, known);
-        let unknown_reader = self.find_eyes(events, known);
+        // Compute after all events, which may have read any of their images.
+        let is_computed = known.are_pictures_computed && !self.nodes.iter().any(|node| node.writes_picture);
+        let unknown_reader = self.find_eyes(events, known).or(is_computed.then_some(events.len()));
         let candidates = unknown_reader.map_or(0, |reader| self.find_only(reader, events, known, is_apart));
         if self.steps >= MOST_STEPS {
             self.nodes.clear();

@@ -12,6 +12,8 @@ pub(in super::super) struct Known<'a> {
     pub(in super::super) frame: u64,
     pub(in super::super) memory: &'a Memory,
     pub(in super::super) swapchains: &'a Swapchains,
+    /// Whether no event makes the shown pictures: compute does.
+    pub(in super::super) are_pictures_computed: bool,
 }
 
 /// Least side of a picture that is passed on, in sides of the render area that it is passed on to.

@@ -59,7 +59,8 @@ impl Provenance {
         };
         let mut found = looking(candidate::LEAST);
         // Compute that writes the picture, such as an upscaler, can only have read the sole cameras.
-        let is_small = found.is_empty() && may_be_computed(&events[reader]);
+        let is_computed = events.get(reader).is_none_or(may_be_computed);
+        let is_small = found.is_empty() && is_computed;
         if is_small {
             found = looking(candidate::LEAST_PROVEN);
             found.retain(|index| self.groups.all[*index].is_sole);
@@ -70,7 +71,7 @@ impl Provenance {
         let eyes = if first.holds_both(known) { 1 } else { known.swapchains.count_pictures().clamp(1, 2) };
         self.has_eyes = found.len() >= eyes;
         // Where the reads are known, one camera for two eyes is a shadow map or a panel, beside pictures that no event names.
-        let is_known = matches!(&events[reader], Event::Pass(_)) && may_be_computed(&events[reader]);
+        let is_known = is_computed && !matches!(events.get(reader), Some(Event::Transfer(_)));
         // Of another shape, a camera with a depth of its own may be the scene that an upscaler reads; particles share the depth of the scene.
         let clears_depth =
             |index: &usize| matches!(&events[*index], Event::Pass(pass) if pass.facts.clears_depth);

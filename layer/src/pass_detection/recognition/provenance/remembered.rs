@@ -64,7 +64,7 @@ impl Structure {
     fn take(&mut self, events: &[Event], nodes: &[Node], known: &Known<'_>, is_apart: bool) {
         self.words.clear();
         self.numbers.clear();
-        self.words.push(u64::from(is_apart));
+        self.words.push(u64::from(is_apart) | u64::from(known.are_pictures_computed) << 1);
         for (picture, is_filled) in known.swapchains.pictures() {
             let [_, _, width, height] = picture.rect.map(f32::to_bits);
             self.words.extend([two(width, height), u64::from(is_filled)]);

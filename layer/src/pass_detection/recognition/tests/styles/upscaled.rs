@@ -134,3 +134,46 @@ fn half_of_the_sides_rounded_down() {
     });
     app.expect("scene", &looks(Eyes::Finer));
 }
+
+/// Compute that writes the images of the swapchains.
+#[test]
+fn tone_mapped_into_the_swapchain_by_compute() {
+    let new = || {
+        let mut app = Application::default();
+        let eyes = app.eyes();
+        let images = [app.image(EYE, HDR), app.image(EYE, HDR), app.image([1024, 1024], HDR)];
+        (app, eyes, images)
+    };
+    let draw = |app: &mut Application, [left, right, shadow]: [ImageKey; 3]| {
+        app.drawn("shadow", &[shadow], true, scene(&[]));
+        for image in [left, right] {
+            app.drawn("scene", &[image], true, scene(&[shadow]));
+        }
+    };
+    let (mut app, eyes, images) = new();
+    app.run(200, |app| {
+        draw(app, images);
+        app.show(&app.both(&eyes));
+    });
+    let last = |app: &Application, name| app.outcomes(name).last().unwrap().1.clone();
+    assert_eq!(last(&app, "scene"), looks(Eyes::Finer));
+    assert!(app.outcomes("shadow").iter().all(|(_, outcome)| outcome.is_err()));
+    assert_eq!(app.recognition.feedback(), Feedback::Unknown);
+
+    // A preview in a window, as large as the eyes, while the last images are shown again.
+    let (mut app, eyes, images) = new();
+    let still = app.both(&eyes);
+    app.run(200, |app| {
+        draw(app, images);
+        app.show(&still);
+    });
+    assert!(app.outcomes("scene").iter().all(|(_, outcome)| outcome.is_err()));
+
+    // One camera for two eyes may be anything.
+    let (mut app, eyes, [image, ..]) = new();
+    app.run(200, |app| {
+        app.drawn("mirror", &[image], true, scene(&[]));
+        app.show(&app.both(&eyes));
+    });
+    assert!(app.outcomes("mirror").iter().all(|(_, outcome)| outcome.is_err()));
+}
