@@ -196,7 +196,7 @@ mod tests {
 
     const MS: i64 = 1_000_000;
 
-    /// Of samples that are 120 ms old when their frames are shown, those of the closing and opening lids count as little as fresh ones.
+    /// Samples of closing and opening lids do not count, with a latency of 120 ms as little as without.
     #[test]
     fn samples_next_to_a_blink_are_left_out_whatever_their_age() {
         for age_ms in [0, 120] {

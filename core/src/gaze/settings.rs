@@ -37,7 +37,7 @@ pub struct GazeSettings {
     /// Turn of the head in that time above which the gaze counts as frozen, degrees: eyes that see turn against it.
     pub frozen_head_deg: f32,
     /// Age of a sample whose time is not known when the frame is shown, milliseconds: 45 to 81 from an eye movement to the first change of the
-    /// display in three headsets with a cable (Stein et al. 2021), of which runtimes hide a part by prediction.
+    /// display in three headsets with a cable (Stein et al. 2021); prediction by the runtime hides a part of it.
     pub latency_ms: f32,
 }
 

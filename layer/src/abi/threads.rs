@@ -2,7 +2,7 @@
 //!
 //! Signals to the process are the application's. The kernel gives them to any thread that does not block them, and handlers may rely on the
 //! threads of the application: Wine's read data that only its own threads have, and `sigwait` needs every thread to block the signal. The
-//! threads of the layer therefore block all signals but those of their own faults, as the threads of Mesa's drivers do.
+//! threads of the layer therefore block all signals except for faults, as Mesa's drivers do.
 
 use std::io;
 use std::mem::MaybeUninit;
@@ -12,7 +12,7 @@ use std::thread::{Builder, JoinHandle};
 const OF_FAULTS: [libc::c_int; 7] =
     [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGTRAP, libc::SIGSYS, libc::SIGABRT];
 
-/// Starts a thread of that name, at most 15 bytes, which blocks signals.
+/// Starts a thread that blocks signals. The system shows the first 15 bytes of its name.
 ///
 /// # Errors
 /// The system has no room for a thread.

@@ -47,7 +47,7 @@ pub enum NotLinked {
     /// The Vulkan half comes from another version of this library.
     #[error("the Vulkan half has interface version {0}, the OpenXR half {LINK_VERSION}")]
     OtherVersion(u32),
-    /// Handles of the application are not those of the driver, and images of one kind would reach functions of the other.
+    /// The application has handles of another layer, which the driver's functions do not know.
     #[error(
         "a Vulkan layer between the application and this one, such as RenderDoc's, gives the application handles of its own"
     )]

@@ -14,7 +14,7 @@ Off switches, from the strongest to the weakest:
 
 - `DISABLE_PARAFOVEA`, set to any value: the loaders do not load the layer, regardless of other settings. The same is true without `PARAFOVEA`.
 - `enabled = false`: the application stays unchanged. At its start, this applies even if the file has an error elsewhere.
-- `preset = \"none\"`: every technique is off, except those that the file enables itself.
+- `preset = \"none\"`: every technique is off unless the file enables it.
 - `rates.backend = \"off\"`: shading rates and re-use are off; chroma attenuation is not.
 - `rates.gate = \"off\"`: shading rates and re-use are dropped, and everything else stays active, for comparison.
 

@@ -292,8 +292,8 @@ unsafe fn state_of(
     }
 }
 
-/// The kept ones of an application's flags; `None` if nothing is kept. Binaries are captured for the application's own pipeline alone: no one
-/// would release those of another one, and it would not be allowed a cache (VUID-vkCreateGraphicsPipelines-pNext-09617).
+/// The kept flags of an application's pipeline; `None` if nothing is kept. A substitute captures no binaries: the application would never release
+/// them, and captures exclude a pipeline cache (VUID-vkCreateGraphicsPipelines-pNext-09617).
 fn kept_flags(flags: vk::PipelineCreateFlags2KHR) -> Option<vk::PipelineCreateFlags2KHR> {
     let flags = flags.as_raw();
     let not_kept = u64::from(NOT_KEPT.as_raw()) | PIPELINE_CREATE_2_CAPTURE_DATA_KHR.as_raw();

@@ -34,6 +34,9 @@ impl ComputedPictures {
             Event::Pass(pass) => pass.colors.iter().chain(&pass.resolves).any(shows_eyes),
             Event::Transfer(transfer) => shows_eyes(&transfer.to),
         });
+        if is_made {
+            self.frames = 0;
+        }
         let views = shown.views.iter().filter(|view| view.eye.is_some());
         let images: Option<SmallVec<[_; 4]>> =
             views.map(|view| Some((view.swapchain, view.image?))).collect();
@@ -42,9 +45,7 @@ impl ComputedPictures {
             let mut last = self.last.iter();
             last.any(|(known, before)| known == key && before != image)
         };
-        if is_made {
-            self.frames = 0;
-        } else if images.iter().all(is_new) {
+        if !is_made && images.iter().all(is_new) {
             self.frames = self.frames.saturating_add(1);
         }
         self.last = images;
