@@ -265,7 +265,8 @@ impl Gpu {
         }
     }
 
-    fn is_abandoned(&self) -> bool {
+    /// Whether nothing is submitted any more: the device once took too long, or an earlier submit failed.
+    pub(crate) fn is_abandoned(&self) -> bool {
         self.abandoned.load(Ordering::Relaxed)
     }
 

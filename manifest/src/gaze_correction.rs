@@ -160,6 +160,9 @@ impl GazeCorrection {
                 "offset_deg = [{left}, {up}]: expected at most {MAX_OFFSET_DEG} degrees in all"
             ));
         }
+        if !self.spread_deg.is_finite() {
+            return Err(format!("spread_deg = {}: expected a finite number", self.spread_deg));
+        }
         let Some(calibration) = &self.calibration else { return Ok(()) };
         let GazeCalibration { coefficients_deg, area_deg, error_deg, error_before_deg, dots_deg } =
             calibration;
@@ -317,6 +320,7 @@ mod tests {
             (&good.replace("[1,2]", "[9,9]"), "offset_deg = [9, 9]: expected at most 10 degrees in all"),
             (&good.replace("[1,2]", "[1e39,0]"), "offset_deg = [inf, 0]"),
             (&good.replace("[1,2]", "[1]"), "invalid length 1"),
+            (&good.replace("0.1", "1e39"), "spread_deg = inf: expected a finite number"),
             (&"[".repeat(10_000), "invalid type: sequence"),
         ] {
             fs::write(&path, text).unwrap();

@@ -92,8 +92,15 @@ fn print_json<T: Serialize>(figure: &T) {
 fn print_added(added: &Added) {
     let budget = added.budget.map_or_else(String::new, |budget| format!("  budget {budget:.2} ms"));
     println!(
-        "{:<10} {:<14} {:<12} {:>+8.4} ms  worst place {:>+8.4} ms  p99 {:>+8.4} ms  (without the layer {:.4} ms){budget}",
-        added.app, added.case, added.pace, added.value, added.worst_place, added.p99, added.baseline
+        "{:<10} {:<14} {:<12} {:>+8.4} ms  worst place {:>+8.4} ms  p99 {:>+8.4} ms  of all {:>+8.4} ms  (without the layer {:.4} ms){budget}",
+        added.app,
+        added.case,
+        added.pace,
+        added.value,
+        added.worst_place,
+        added.p99,
+        added.p99_of_all,
+        added.baseline
     );
 }
 

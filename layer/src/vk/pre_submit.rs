@@ -173,7 +173,11 @@ impl PreSubmitRing {
         let start = Instant::now();
         loop {
             let (mut slots, others) = self.take_out();
-            slots.iter_mut().for_each(|slot| slot.wait(&functions.device));
+            // One wait for all: on a device that is far behind, each may take seconds.
+            if let Some(newest) = slots.iter_mut().max_by_key(|slot| slot.pending()) {
+                newest.wait(&functions.device);
+            }
+            find_finished(&mut slots, &functions.device);
             self.put_back(slots);
             // After a panic a thread puts nothing back.
             if others == 0 || start.elapsed() > LONGEST_TAKEN {

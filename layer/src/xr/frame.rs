@@ -130,7 +130,9 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
             let _section = known.runtime_section();
             // SAFETY: in xrEndFrame this thread may use the session's queue.
             unsafe { swapchain::release_held(known, true) };
-            answer.record(below())
+            let result = answer.record(below());
+            swapchain::destroy_retired(known);
+            result
         });
     }
     let mut placed = None;
@@ -181,7 +183,11 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
             // SAFETY: in xrEndFrame this thread may use the session's queue.
             unsafe { swapchain::release_held(session, false) };
         }
-        answer.record(submit(frame().map_or(Ok(Pictures::New), |frame| frame.end())))
+        let result = answer.record(submit(frame().map_or(Ok(Pictures::New), |frame| frame.end())));
+        if let Some((session, _)) = active {
+            swapchain::destroy_retired(session);
+        }
+        result
     })
 }
 
@@ -291,7 +297,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<Pictures, Undel
     let mut regions = Regions::default();
     works.extend(swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)));
     // Also of images that the runtime has no room for now: re-use reads them later.
-    works.iter().for_each(|work| work.ask_layout(&active.device));
+    works.iter().for_each(|work| work.ask_layouts(&active.device));
     note_views(submission, &mut works);
     process(frame, tools, &mut works);
     complete::complete(frame, tools, report, &mut works, &mut history, &mut regions);

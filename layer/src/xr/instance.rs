@@ -315,12 +315,13 @@ pub unsafe extern "system" fn destroy(handle: xr::Instance) -> xr::Result {
     // SAFETY: the next layer's function with the application's own argument.
     let below = || unsafe { (next.destroy_instance)(handle) };
     let pass_through = || {
-        attempt("xrDestroyInstance", || session::forget_all_of(handle));
+        attempt("xrDestroyInstance", || drop(session::forget_all_of(handle)));
         below()
     };
     guard("xrDestroyInstance", pass_through, |answer| {
-        session::forget_all_of(handle);
+        let swapchains = session::forget_all_of(handle);
         let result = answer.record(below());
+        drop(swapchains);
         if result == xr::Result::SUCCESS {
             INSTANCES.remove(handle);
         }

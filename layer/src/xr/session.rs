@@ -12,7 +12,7 @@ use super::instance::{self, Instance, next_of_any};
 use super::offer::{self, SessionOffer};
 use super::spaces::{self, LocatedHead, Spaces};
 use super::structures::{VulkanBinding, extending};
-use super::swapchain;
+use super::swapchain::{self, Swapchain};
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::{attempt, executable, guard};
 use crate::config::{ChromaMode, Config, Environment, GazeSource, debug_view, wants_contrast, wants_reuse};
@@ -121,11 +121,11 @@ pub fn owed_event(instance: xr::Instance) -> Option<xr::Session> {
     SESSIONS.find_map(|session| owes(session).then_some(session.handle))
 }
 
-/// Forgets the sessions of an instance, before it is destroyed: they go with it.
-pub fn forget_all_of(instance: xr::Instance) {
-    for session in SESSIONS.remove_where(|session| session.instance.handle == instance) {
-        forget(&session);
-    }
+/// Forgets the sessions of an instance, before it is destroyed: they go with it. Our images go with the result, see
+/// [`swapchain::forget_all_of`].
+pub fn forget_all_of(instance: xr::Instance) -> Vec<Arc<Swapchain>> {
+    let sessions = SESSIONS.remove_where(|session| session.instance.handle == instance);
+    sessions.iter().flat_map(|session| forget(session)).collect()
 }
 
 /// `xrCreateSession`.
@@ -257,18 +257,18 @@ pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
     let below = || unsafe { (next.destroy_session)(handle) };
     let leave = || {
         SESSIONS.remove(handle);
-        if let Some(known) = &known {
-            forget(known);
-        }
+        known.as_ref().map(|known| forget(known)).unwrap_or_default()
     };
     let pass_through = || {
-        attempt("xrDestroySession", leave);
+        attempt("xrDestroySession", || drop(leave()));
         below()
     };
     guard("xrDestroySession", pass_through, |answer| {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
-        leave();
-        answer.record(below())
+        let swapchains = leave();
+        let result = answer.record(below());
+        drop(swapchains);
+        result
     })
 }
 
@@ -320,9 +320,9 @@ fn set_running(
     })
 }
 
-/// Ends our part in a session that is about to be destroyed.
-fn forget(session: &Session) {
-    swapchain::forget_all_of(session.handle);
+/// Ends our part in a session that is about to be destroyed. Our images go with the result, see [`swapchain::forget_all_of`].
+fn forget(session: &Session) -> Vec<Arc<Swapchain>> {
+    let swapchains = swapchain::forget_all_of(session.handle);
     spaces::forget_all_of(session.handle);
     offer::forget_all_of(session.handle);
     session.gaze.close();
@@ -330,6 +330,7 @@ fn forget(session: &Session) {
         active.plan.end();
         active.device.set_active(false);
     }
+    swapchains
 }
 
 #[cfg(test)]

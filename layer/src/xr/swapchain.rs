@@ -14,6 +14,7 @@ mod free;
 mod held_release;
 mod history_memory;
 mod images;
+mod retired;
 mod ring;
 mod substitute;
 mod target;
@@ -22,6 +23,7 @@ pub use create::create;
 pub use depth::NewestDepth;
 pub use held_release::release_held;
 pub use images::{acquire_image, enumerate_images, release_image, wait_image};
+pub use retired::destroy_retired;
 pub use ring::Newest;
 pub use substitute::Substitute;
 pub use target::{SubmittedView, Target};
@@ -202,11 +204,13 @@ pub fn history_memory(session: xr::Session) -> (u64, Option<HistoryTooLarge>) {
     })
 }
 
-/// Forgets the swapchains of a session, before it is destroyed: they go with it.
-pub fn forget_all_of(session: xr::Session) {
-    for swapchain in SWAPCHAINS.remove_where(|swapchain| swapchain.session.handle == session) {
-        swapchain.end();
-    }
+/// Forgets the swapchains of a session, before it is destroyed: they go with it. Our images go with the result, which is to be dropped after
+/// the session was destroyed: runtimes wait for the device's work then.
+pub fn forget_all_of(session: xr::Session) -> Vec<Arc<Swapchain>> {
+    let mut gone = SWAPCHAINS.remove_where(|swapchain| swapchain.session.handle == session);
+    gone.iter().for_each(|swapchain| swapchain.end());
+    gone.extend(retired::take_all_of(session));
+    gone
 }
 
 /// The image of that swapchain that the application released last, if that is known.
@@ -226,7 +230,8 @@ fn find(handle: xr::Swapchain) -> Option<(Option<Arc<Swapchain>>, Next)> {
     Some((known, next))
 }
 
-/// `xrDestroySwapchain`. Our images go first: nothing of ours may still use the runtime's.
+/// `xrDestroySwapchain`. Our work on the runtime's images ends first. Our images go after the call, as runtimes wait for the device's work in it, or
+/// some frames later.
 ///
 /// # Safety
 ///
@@ -248,6 +253,10 @@ pub unsafe extern "system" fn destroy(handle: xr::Swapchain) -> xr::Result {
     guard("xrDestroySwapchain", pass_through, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         end();
-        answer.record(below())
+        let result = answer.record(below());
+        if let Some(known) = &known {
+            retired::retire(known);
+        }
+        result
     })
 }

@@ -77,6 +77,7 @@ fn eligible(application: &Application) -> Eligible {
         stores_stencil: false,
         is_loaded_later: false,
         is_submitted: false,
+        is_separate: false,
         is_writable: true,
         is_readable: true,
     };

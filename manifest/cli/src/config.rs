@@ -12,7 +12,7 @@ pub fn validate(file: &Path) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(errors) => {
-            eprintln!("{errors}");
+            complain!("{errors}");
             ExitCode::FAILURE
         }
     }

@@ -31,10 +31,13 @@ pub struct Options {
 pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
     let mut surroundings = surroundings();
     surroundings.shipped = library_beside_this_program();
-    surroundings.application = application.map(|name| {
-        let known = Names::known(&surroundings.environment, &name, SystemTime::now());
-        known.unwrap_or_else(|| Names::unknown(&name))
+    let now = SystemTime::now();
+    let known = |name: &String| Names::known(&surroundings.environment, name, now);
+    let unknown = application.as_ref().filter(|name| known(name).is_none()).map(|name| {
+        Finding::unknown_application(name, &Names::similar(&surroundings.environment, name, now))
     });
+    surroundings.application =
+        application.as_ref().map(|name| known(name).unwrap_or_else(|| Names::unknown(name)));
     surroundings.probed = probe::probe();
     let mut findings = examine(&surroundings);
     let mut has_failed = false;
@@ -42,17 +45,18 @@ pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
         for line in fix(&findings, &surroundings) {
             match line {
                 // With --json, standard output has findings only.
-                Ok(line) if options.json => eprintln!("{line}"),
+                Ok(line) if options.json => complain!("{line}"),
                 Ok(line) => crate::print(&format!("{line}\n")),
                 Err(error) => {
                     has_failed = true;
-                    eprintln!("parafovea: {error}");
+                    complain!("parafovea: {error}");
                 }
             }
         }
         surroundings.probed = probe::probe();
         findings = examine(&surroundings);
     }
+    findings.extend(unknown);
     for finding in &findings {
         if options.json {
             crate::print(&format!("{}\n", as_json(finding)));

@@ -34,7 +34,7 @@ pub fn generate(what: What, command: &mut Command) -> ExitCode {
         }
         What::Man => {
             if let Err(error) = manual(command, &mut text) {
-                eprintln!("parafovea: {error}");
+                complain!("parafovea: {error}");
                 return ExitCode::FAILURE;
             }
             crate::print(&String::from_utf8_lossy(&text));

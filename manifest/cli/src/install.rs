@@ -132,7 +132,7 @@ fn finish(
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("parafovea: {failure}");
+            complain!("parafovea: {failure}");
             ExitCode::FAILURE
         }
     }

@@ -1,5 +1,13 @@
 //! The `parafovea` command.
 
+/// Writes a line to standard error. A reader that has gone, or a full disk, is no reason to panic.
+macro_rules! complain {
+    ($($arguments:tt)*) => {{
+        use std::io::Write as _;
+        drop(writeln!(std::io::stderr(), $($arguments)*));
+    }};
+}
+
 mod config;
 mod doctor;
 mod gaze;
@@ -126,7 +134,7 @@ fn can_print(text: &str) -> bool {
         Ok(()) => true,
         Err(error) => {
             if error.kind() != ErrorKind::BrokenPipe && !HAS_FAILED.swap(true, Ordering::Relaxed) {
-                eprintln!("parafovea: standard output: {error}");
+                complain!("parafovea: standard output: {error}");
             }
             false
         }

@@ -115,7 +115,7 @@ pub fn profile(command: &Command) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(failure) => {
-            eprintln!("parafovea: {failure}");
+            complain!("parafovea: {failure}");
             ExitCode::FAILURE
         }
     }
@@ -235,9 +235,10 @@ fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> 
     if let Some(from) = files.in_force(&target) {
         let before = read(&from)?.unwrap_or_default();
         let config = config::load(&from).map_err(Failure::Invalid)?;
-        let of_kind = effective::set_in(&text);
-        let kept = effective::set_in(&before).into_iter().filter(|key| !of_kind.contains(key));
-        for option in kept.filter_map(|key| option(&key).ok()) {
+        // A default in the kind's file explains, and does not overrule a setting of the user.
+        let overrules = |option: &OptionSpec| kinds::changes(kind, option);
+        let kept = effective::set_in(&before).into_iter().filter_map(|key| option(&key).ok());
+        for option in kept.filter(|option| !overrules(option)) {
             text = edit::apply(&text, option, Change::Set(&option.value(&config)))
                 .map_err(|error| Failure::Edit(path.clone(), error))?;
         }
@@ -261,7 +262,7 @@ fn validate(files: &Files) -> ExitCode {
             Ok(_) => crate::print(&format!("{}: valid\n", file.path.display())),
             Err(errors) => {
                 is_valid = false;
-                eprintln!("{errors}");
+                complain!("{errors}");
             }
         }
     }

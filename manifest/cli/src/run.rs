@@ -18,10 +18,10 @@ pub fn run(command: &[OsString]) -> ExitCode {
         return ExitCode::FAILURE;
     };
     if env::var_os(DISABLE_VARIABLE).is_some() {
-        eprintln!("parafovea: {DISABLE_VARIABLE} is set, so the layer stays off");
+        complain!("parafovea: {DISABLE_VARIABLE} is set, so the layer stays off");
     }
     if !is_installed() {
-        eprintln!(
+        complain!(
             "parafovea: the layer is not installed in the usual folders, so it may have no effect; to install it: parafovea install; to check: parafovea doctor"
         );
     }
@@ -32,21 +32,21 @@ pub fn run(command: &[OsString]) -> ExitCode {
     let error = application.exec();
     let name = program.to_string_lossy();
     if error.kind() != ErrorKind::NotFound {
-        eprintln!("parafovea: {name}: {error}");
+        complain!("parafovea: {name}: {error}");
         return ExitCode::from(126);
     }
     // The system gives the same error where the program exists, but not the one that is to run it.
     match find(program, env::var_os("PATH").as_deref()) {
         Some(file) => {
-            eprintln!("parafovea: {name}: {}", missing_interpreter(&beginning(&file)));
+            complain!("parafovea: {name}: {}", missing_interpreter(&beginning(&file)));
             ExitCode::from(126)
         }
         None if name.contains('/') => {
-            eprintln!("parafovea: {name}: does not exist");
+            complain!("parafovea: {name}: does not exist");
             ExitCode::from(127)
         }
         None => {
-            eprintln!(
+            complain!(
                 "parafovea: {name}: not found in PATH; to run a program in another folder, give its full path"
             );
             ExitCode::from(127)

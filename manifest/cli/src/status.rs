@@ -69,13 +69,13 @@ pub fn watch(
 pub fn with_folder(show: impl FnOnce(&Environment) -> ExitCode) -> ExitCode {
     let environment = Environment::of_process(false);
     if environment.status_folders().is_empty() {
-        eprintln!(
+        complain!(
             "parafovea: none of XDG_RUNTIME_DIR, XDG_STATE_HOME and HOME is set, so applications have no folder for their state; run this in your desktop session, which sets them"
         );
         return ExitCode::FAILURE;
     }
     if environment.status_folder().is_none() {
-        eprintln!(
+        complain!(
             "parafovea: XDG_RUNTIME_DIR is not set, so only applications in containers such as Steam's are found; your desktop session sets it"
         );
     }
@@ -116,7 +116,7 @@ fn repeat(
 /// Prints the folders that cannot be read as errors.
 pub fn complain(unreadable: &[UnreadableStatus]) {
     for folder in unreadable {
-        eprintln!("parafovea: {folder}");
+        complain!("parafovea: {folder}");
     }
 }
 

@@ -104,6 +104,17 @@ impl Finding {
         Self::new(Severity::Note, id, found, means)
     }
 
+    /// A name that no application has had so far, which may be misspelt; these names are `similar`.
+    pub fn unknown_application(name: &str, similar: &[String]) -> Self {
+        let found = format!("no application named {name:?} has run with Parafovea yet");
+        let means = "The settings for this name were checked; the application may have another name.";
+        let advice = match similar {
+            [] => String::new(),
+            names => format!("similar names: {}", names.join(", ")),
+        };
+        Self::note("unknown-application", found, means).advise(advice)
+    }
+
     pub(super) fn good(id: &'static str, found: impl Into<String>) -> Self {
         Self::new(Severity::Good, id, found, "")
     }

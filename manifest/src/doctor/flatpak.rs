@@ -55,8 +55,8 @@ pub(super) fn examine(surroundings: &Surroundings) -> Option<Finding> {
         ),
     };
     Some(Finding::warning("flatpak-steam", found, means).advise(format!(
-        "XDG_DATA_HOME={} parafovea install; so that your settings apply there: {OVERRIDE}",
-        data.display()
+        "{}; so that your settings apply there: {OVERRIDE}; then restart Steam",
+        surroundings.with_data(&data, "install")
     )))
 }
 

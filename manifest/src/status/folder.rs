@@ -29,7 +29,7 @@ pub struct StatusFile {
 
 impl StatusFile {
     /// Makes the folder for the file of the process `pid`; `None` without a folder for it. Requests to an earlier process of that
-    /// number are removed.
+    /// number are removed, and so are statuses of applications that ended long ago.
     ///
     /// # Errors
     /// The folder cannot be made, or belongs to another user.
@@ -41,6 +41,7 @@ impl StatusFile {
         if !metadata.is_dir() || above.is_some_and(|above| above.uid() != metadata.uid()) {
             return Err(io::ErrorKind::PermissionDenied.into());
         }
+        sweep(&folder, SystemTime::now());
         let requests = REQUESTS.map(|kind| request_file(&folder, pid, kind));
         for request in &requests {
             let _ = fs::remove_file(request);
@@ -132,24 +133,46 @@ pub fn read_all(environment: &Environment, now: SystemTime) -> Statuses {
         if age <= Duration::from_secs(FRESH_S) {
             let log = environment.log_file_with_status(&folder, Path::new(&status.executable));
             found.push(Found { status, age, log });
-        } else {
+        } else if age <= FORGOTTEN {
             gone += 1;
-            if age > FORGOTTEN {
-                let _ = fs::remove_file(&path);
-                for kind in REQUESTS {
-                    let _ = fs::remove_file(path.with_extension(kind));
-                }
-            }
+        } else {
+            remove(&path);
         }
     }
     found.sort_by_key(|found| found.status.pid);
     Statuses { found, gone, unreadable }
 }
 
+/// Removes the statuses of applications that ended long ago without removing theirs: folders of containers outlive the system's start.
+fn sweep(folder: &Path, now: SystemTime) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        let age = || age(&entry.metadata().ok()?, now);
+        if path.extension().is_some_and(|extension| extension == "json")
+            && age().is_some_and(|age| age > FORGOTTEN)
+        {
+            remove(&path);
+        }
+    }
+}
+
+/// Removes a status, and requests to its application.
+fn remove(path: &Path) {
+    let _ = fs::remove_file(path);
+    for kind in REQUESTS {
+        let _ = fs::remove_file(path.with_extension(kind));
+    }
+}
+
+/// Time since a file was written. A file from the future, whose clock was another, is as old as it is ahead.
+fn age(metadata: &fs::Metadata, now: SystemTime) -> Option<Duration> {
+    Some(now.duration_since(metadata.modified().ok()?).unwrap_or_else(|ahead| ahead.duration()))
+}
+
 fn read(path: &Path, now: SystemTime) -> Option<(Status, Duration)> {
     let file = File::open(path).ok()?;
     let metadata = file.metadata().ok().filter(|metadata| metadata.is_file())?;
-    let age = now.duration_since(metadata.modified().ok()?).unwrap_or_default();
+    let age = age(&metadata, now)?;
     let mut text = Vec::new();
     file.take(MAX_BYTES).read_to_end(&mut text).ok()?;
     Some((serde_json::from_slice(&text).ok()?, age))
@@ -286,8 +309,28 @@ mod tests {
         file.write(&status(7)).unwrap();
         let later = |seconds| SystemTime::now() + Duration::from_secs(seconds);
         assert_eq!(read(&environment, later(FRESH_S + 1)), (Vec::new(), 1));
-        assert_eq!(read(&environment, later(3600)), (Vec::new(), 1));
-        assert_eq!(read(&environment, later(3600)), (Vec::new(), 0));
+        let path = runtime.path().join("parafovea/7.json");
+        assert!(path.exists());
+        assert_eq!(read(&environment, later(3600)), (Vec::new(), 0), "it may have ended as it should");
+        assert!(!path.exists());
+        file.write(&status(7)).unwrap();
+        let ahead = SystemTime::now() - Duration::from_secs(FRESH_S + 1);
+        assert_eq!(read(&environment, ahead), (Vec::new(), 1), "the clock was put back");
+    }
+
+    #[test]
+    fn a_new_status_removes_those_of_long_ago() {
+        let runtime = TempDir::new().unwrap();
+        let environment = environment(&runtime);
+        let [old, running] = [3, 4].map(|pid| StatusFile::new(&environment, pid).unwrap().unwrap());
+        old.write(&status(3)).unwrap();
+        running.write(&status(4)).unwrap();
+        view::ask_view(&environment, 3, None).unwrap();
+        let file = File::options().write(true).open(runtime.path().join("parafovea/3.json")).unwrap();
+        file.set_modified(SystemTime::now() - Duration::from_secs(3600)).unwrap();
+        drop(StatusFile::new(&environment, 7).unwrap());
+        let left: Vec<_> = fs::read_dir(runtime.path().join("parafovea")).unwrap().flatten().collect();
+        assert_eq!(left.iter().map(fs::DirEntry::file_name).collect::<Vec<_>>(), ["4.json"]);
     }
 
     #[test]

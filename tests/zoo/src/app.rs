@@ -1,6 +1,6 @@
 //! Resources of a style, and its input for each frame.
 
-use crate::gpu::{Buffer, Gpu, Image, Kind, Pass, PassSpec, passes};
+use crate::gpu::{Attachment, Buffer, Gpu, Image, Kind, Pass, PassSpec, passes};
 use crate::look::Look;
 use crate::scene::{Draw, Pipelines, Scene, Uniforms};
 use anyhow::Result;
@@ -70,6 +70,20 @@ impl App<'_> {
     /// Errors of [`Gpu::pass`].
     pub fn eye_passes(&self, kind: Kind, spec: impl Fn(Image) -> PassSpec) -> Result<Vec<Vec<Pass>>> {
         self.color.iter().map(|images| passes(self.gpu, kind, images, &spec)).collect()
+    }
+
+    /// Passes for the two halves of a scene: the first clears colour and this depth and stores both, and the second loads them.
+    ///
+    /// # Errors
+    /// Errors of [`Gpu::pass`].
+    pub fn halves(&self, kind: Kind, cleared: Attachment) -> Result<[Vec<Vec<Pass>>; 2]> {
+        let stored = cleared.stored();
+        Ok([
+            self.eye_passes(kind, |color| PassSpec::new(color.cleared([0.0; 4]), stored))?,
+            self.eye_passes(kind, |color| {
+                PassSpec::new(color.overwritten().loaded(), stored.loaded().discarded())
+            })?,
+        ])
     }
 
     /// Runs a pass that shows the scene to a view.

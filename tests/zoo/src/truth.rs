@@ -55,6 +55,17 @@ impl PassTruth {
         [Eyes::Left, Eyes::Right].map(|eyes| Self::new(extent, format, eyes, why)).to_vec()
     }
 
+    /// The scene in two passes for each eye.
+    pub fn halves(extent: [u32; 2], format: Format) -> Vec<Self> {
+        let eye = |eyes| {
+            [
+                Self::new(extent, format, eyes, "scene, first half"),
+                Self::new(extent, format, eyes, "scene, second half and sky"),
+            ]
+        };
+        [eye(Eyes::Left), eye(Eyes::Right)].concat()
+    }
+
     /// With so many layers.
     pub const fn layers(self, layers: u32) -> Self {
         Self { layers, ..self }

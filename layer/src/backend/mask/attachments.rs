@@ -1,6 +1,7 @@
 //! The attachments of a pass, as far as its mask needs to know them.
 
 use super::Masks;
+use super::parts::is_separate;
 use crate::abi::copies::slice;
 use crate::backend::mask::{ColorFacts, DepthFacts};
 use crate::pass_detection::{ImageKey, Target, Unmasked};
@@ -147,6 +148,7 @@ impl Attachments {
             stores_stencil: depth.stores_stencil,
             is_loaded_later: masks.loaded.get(depth.target.image).is_some(),
             is_submitted: image.description.swapchain.is_some(),
+            is_separate: is_separate(image.description.format, depth),
             is_writable: image.granted.contains(vk::ImageUsageFlags::TRANSFER_DST),
             is_readable: image.granted.contains(vk::ImageUsageFlags::TRANSFER_SRC),
         })

@@ -1,7 +1,7 @@
 //! The decision on the mask of a pass that begins, by evidence of earlier frames.
 
 use super::open_mask::{OpenDepth, OpenEarlyReturn, OpenMask, OpenMethod};
-use super::parts::{aspects, is_separate, part};
+use super::parts::{aspects, part};
 use super::{Attachments, Masks, Pending, TargetMask, follow_graphics};
 use crate::backend::RateMap as _;
 use crate::backend::mask::{Eligible, MaskFacts, MaskMap, MaskMethod, method};
@@ -51,6 +51,8 @@ pub struct PassContext<'a> {
     pub covered_by: Option<&'a Arc<MaskMap>>,
     /// Number of the command buffer's passes that cleared that depth for others to go on with.
     pub prepasses: u32,
+    /// Whether a query that counts samples goes on around the pass.
+    pub is_queried: bool,
 }
 
 impl Masks {
@@ -196,6 +198,10 @@ impl Masks {
         context: PassContext<'_>,
         layout: vk::ImageLayout,
     ) -> Result<Pending, Unmasked> {
+        if context.is_queried {
+            // It would count the samples of the fill, which is drawn.
+            return Err(Unmasked::Queried);
+        }
         if !context.follows_graphics {
             // From the next command buffers on.
             follow_graphics();
@@ -274,12 +280,6 @@ impl Masks {
         eligible: Eligible,
     ) -> Result<(Arc<MaskMap>, OpenMethod), Unmasked> {
         let depth = attachments.depth.ok_or(Unmasked::NoDepth)?;
-        if depth.layouts[1] == vk::ImageLayout::UNDEFINED {
-            return Err(Unmasked::Layouts);
-        }
-        if is_separate(context.objects, &depth) {
-            return Err(Unmasked::Layouts);
-        }
         let map = target.map(eligible)?;
         let is_multisampled = eligible.drawn.is_some();
         if context

@@ -48,6 +48,8 @@ pub struct DepthFacts {
     pub is_loaded_later: bool,
     /// Whether it is one of an XR swapchain's images.
     pub is_submitted: bool,
+    /// Whether stencil has a layout of its own, which barriers of a template do not name.
+    pub is_separate: bool,
     /// Whether it has been made to be copied to.
     pub is_writable: bool,
     /// Whether it has been made to be copied from.
@@ -251,6 +253,7 @@ fn of_depth(depth: &DepthFacts, facts: &MaskFacts) -> Result<(DepthFormat, Depth
         (depth.stores_stencil && facts.pipelines.write_stencil, Unmasked::StencilStored),
         (!depth.is_writable, Unmasked::NotWritable),
         (work.is_any() && !depth.is_readable, Unmasked::NotReadable),
+        (depth.is_separate, Unmasked::Layouts),
     ])?;
     let format = depth_format(depth.format).ok_or(Unmasked::DepthFormat(depth.format))?;
     Ok((format, work))

@@ -2,6 +2,7 @@
 //! Pass Compatibility"), so that its framebuffers and pipelines go with both.
 
 use super::Masks;
+use super::parts::is_of_depth_alone;
 use crate::gpu::{CompatiblePass, GpuError};
 use crate::vk::objects::RenderPass;
 use ash::vk;
@@ -123,7 +124,10 @@ fn cleared_depth(pass: &RenderPass) -> Option<(usize, vk::ImageLayout)> {
     let depth = pass.attachments.get(index as usize)?;
     // One without colour may be a pre-pass for others, which matters where depth has several samples.
     let is_drawn = !pass.colors.is_empty() || depth.samples != vk::SampleCountFlags::TYPE_1;
-    let may = depth.load == vk::AttachmentLoadOp::CLEAR && is_drawn && !resolves_one_sample(pass);
+    let may = depth.load == vk::AttachmentLoadOp::CLEAR
+        && is_drawn
+        && !resolves_one_sample(pass)
+        && !is_of_depth_alone(layout, depth.format);
     may.then_some((index as usize, layout))
 }
 
@@ -193,5 +197,13 @@ mod tests {
         assert_eq!(cleared_depth(&prepass(one)), None);
         assert_eq!(cleared_depth(&prepass(four)), Some((1, within)));
         assert_eq!(cleared_depth(&pass(four, true, vk::AttachmentLoadOp::LOAD)), None);
+        let depth_alone = |format| {
+            let mut pass = pass(one, false, clear);
+            pass.attachments[1].format = format;
+            pass.subpasses[0].depth = Some((1, vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL));
+            cleared_depth(&pass).is_some()
+        };
+        let formats = [vk::Format::D32_SFLOAT, vk::Format::D32_SFLOAT_S8_UINT, vk::Format::D24_UNORM_S8_UINT];
+        assert_eq!(formats.map(depth_alone), [true, false, false], "stencil would need a layout of its own");
     }
 }

@@ -86,6 +86,7 @@ fn allows_return(reason: Unmasked) -> bool {
             | Unmasked::StencilStored
             | Unmasked::NotWritable
             | Unmasked::NotReadable
+            | Unmasked::Layouts
             | Unmasked::Near(_)
     )
 }
@@ -142,6 +143,14 @@ mod tests {
         let method = MaskMethod::Return { keeps_coverage: true, instead: Unmasked::Transient };
         assert_eq!(of(Some(transient), false, KEEPING, color()), Ok(method));
         assert_eq!(of(Some(transient), false, ANY, color()), Err(Unmasked::Transient));
+    }
+
+    #[test]
+    fn depth_and_stencil_in_different_layouts_return_early() {
+        let separate = Some(DepthFacts { is_separate: true, ..depth() });
+        let method = MaskMethod::Return { keeps_coverage: true, instead: Unmasked::Layouts };
+        assert_eq!(of(separate, false, KEEPING, color()), Ok(method));
+        assert_eq!(of(separate, false, ANY, color()), Err(Unmasked::Layouts));
     }
 
     #[test]

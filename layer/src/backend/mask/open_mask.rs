@@ -79,6 +79,14 @@ impl OpenMask {
         }
     }
 
+    /// Whether the commands ahead of the pass bind compute state and sets: a copied template does not.
+    pub fn binds_ahead(&self) -> bool {
+        match &self.method {
+            OpenMethod::Template(depth) => depth.work.covers && !depth.is_covered,
+            OpenMethod::Return(_) => false,
+        }
+    }
+
     /// Records the commands ahead of the pass.
     pub(super) fn record_ahead(&self, commands: &AppCommands) {
         match &self.method {

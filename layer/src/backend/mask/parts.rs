@@ -6,17 +6,21 @@ use crate::pass_detection::{Target, Unmasked};
 use crate::vk::objects::Objects;
 use ash::vk;
 
-/// Whether a layout is of depth alone, beside which stencil has one that barriers here do not name.
-pub(super) fn is_separate(objects: &Objects, depth: &DepthAttachment) -> bool {
-    let is_alone = |layout: &vk::ImageLayout| {
-        matches!(
-            *layout,
-            vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL | vk::ImageLayout::DEPTH_READ_ONLY_OPTIMAL
-        )
-    };
-    let has_stencil =
-        aspects(objects, depth.target).is_ok_and(|aspects| aspects.contains(vk::ImageAspectFlags::STENCIL));
-    has_stencil && (depth.layouts.iter().any(is_alone) || is_alone(&depth.final_layout))
+/// Whether stencil beside depth of this format has a layout of its own, which barriers here do not name.
+pub(super) fn is_separate(format: vk::Format, depth: &DepthAttachment) -> bool {
+    let is_of_both = |layout: vk::ImageLayout| !is_of_depth_alone(layout, format);
+    let [before, within] = depth.layouts;
+    within == vk::ImageLayout::UNDEFINED || ![before, within, depth.final_layout].into_iter().all(is_of_both)
+}
+
+/// Whether stencil of this format needs a second layout beside this one, of depth (Vulkan specification,
+/// VUID-VkAttachmentDescription2-format-06906).
+pub(super) fn is_of_depth_alone(layout: vk::ImageLayout, format: vk::Format) -> bool {
+    let is_alone = matches!(
+        layout,
+        vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL | vk::ImageLayout::DEPTH_READ_ONLY_OPTIMAL
+    );
+    is_alone && aspects_of(format).contains(vk::ImageAspectFlags::STENCIL)
 }
 
 /// A target as barriers and copies name it, as far as the mask has layers. Copies have the `extent` of the mask, which is that of the pass's
@@ -46,14 +50,17 @@ pub(super) fn part(
 
 /// All aspects of a depth image: barriers without separate layouts name both.
 pub(super) fn aspects(objects: &Objects, target: Target) -> Result<vk::ImageAspectFlags, Unmasked> {
-    let format = objects.image_of(target.image).ok_or(Unmasked::Unknown)?.description.format;
+    Ok(aspects_of(objects.image_of(target.image).ok_or(Unmasked::Unknown)?.description.format))
+}
+
+fn aspects_of(format: vk::Format) -> vk::ImageAspectFlags {
     let depth = vk::ImageAspectFlags::DEPTH;
-    Ok(match format {
+    match format {
         vk::Format::D16_UNORM_S8_UINT | vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT => {
             depth | vk::ImageAspectFlags::STENCIL
         }
         _ => depth,
-    })
+    }
 }
 
 #[cfg(test)]

@@ -25,9 +25,14 @@ impl SwapchainShape {
         self.format == other.format && self.extent == other.extent && self.array_layers == other.array_layers
     }
 
-    /// The formats that the application named, and that of our views; none if it named none.
+    /// The formats that the application named, and that of our views; none if it named none. Without MUTABLE_FORMAT no other format than the
+    /// image's own (Vulkan specification, VUID-VkImageCreateInfo-flags-04738).
     pub(super) fn listed_view_formats(&self) -> Vec<vk::Format> {
         let mut formats = self.view_formats.clone();
+        if !self.mutable {
+            formats.retain(|format| *format == self.format);
+            return formats;
+        }
         if !formats.is_empty() && !formats.contains(&self.format) {
             formats.push(self.format);
         }
@@ -70,10 +75,14 @@ mod tests {
             mutable: false,
             view_formats: vec![],
         };
-        assert_eq!(shape.listed_view_formats(), []);
-        shape.mutable = true;
-        assert_eq!(shape.listed_view_formats(), []);
         let (srgb, unorm) = (vk::Format::R8G8B8A8_SRGB, vk::Format::R8G8B8A8_UNORM);
+        assert_eq!(shape.listed_view_formats(), []);
+        shape.view_formats = vec![unorm, srgb];
+        assert_eq!(shape.listed_view_formats(), [srgb], "its views have one format");
+        shape.view_formats = vec![unorm];
+        assert_eq!(shape.listed_view_formats(), []);
+        shape = SwapchainShape { mutable: true, view_formats: vec![], ..shape };
+        assert_eq!(shape.listed_view_formats(), []);
         shape.view_formats = vec![unorm, srgb];
         assert_eq!(shape.listed_view_formats(), [unorm, srgb]);
         shape.view_formats = vec![unorm, vk::Format::R32_UINT];

@@ -172,11 +172,7 @@ pub(super) fn points(stages: vk::ShaderStageFlags) -> SmallVec<[vk::PipelineBind
 }
 
 /// Keeps a call of a command buffer with `keep`; passes at these bind points may read unknown images.
-///
-/// # Safety
-///
-/// `handle` is this command buffer, which is recording.
-pub(super) unsafe fn note(
+pub(super) fn note(
     known: &super::Buffer,
     handle: vk::CommandBuffer,
     points: &[vk::PipelineBindPoint],
@@ -189,18 +185,12 @@ pub(super) unsafe fn note(
     if known.armed.masks.is_none() {
         return;
     }
-    {
-        let mut recorded = known.recorded();
-        if !recorded.drawing.is_followed() {
-            // Sets that are bound for drawing count too, from the next command buffers on.
-            follow_graphics();
-        }
-        keep(&mut recorded.offsets);
+    let mut recorded = known.recorded();
+    if !recorded.drawing.is_followed() {
+        // Sets that are bound for drawing count too, from the next command buffers on.
+        follow_graphics();
     }
-    if draws {
-        // SAFETY: the command buffer is recording, as `# Safety` demands.
-        unsafe { drawing::bind_ours_again(known, handle) };
-    }
+    keep(&mut recorded.offsets);
 }
 
 /// `vkCmdBindDescriptorBuffersEXT`.
@@ -218,6 +208,8 @@ pub unsafe extern "system" fn bind(
         with_buffer,
         cmd_bind_descriptor_buffers(handle, count, infos),
         |known, next| {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { drawing::leave_for_command(known.as_deref(), handle) };
             next();
             if let Some(known) = known {
                 let points = [vk::PipelineBindPoint::GRAPHICS];
@@ -225,8 +217,7 @@ pub unsafe extern "system" fn bind(
                 let infos = unsafe { slice(infos, count) };
                 // SAFETY: their chains are valid, by valid usage.
                 let buffers = || infos.iter().map(|info| unsafe { BoundBuffer::read(info) });
-                // SAFETY: the command buffer is recording, by valid usage.
-                unsafe { note(&known, handle, &points, |kept| kept.bind_buffers(buffers())) };
+                note(&known, handle, &points, |kept| kept.bind_buffers(buffers()));
             }
         }
     );
@@ -251,14 +242,15 @@ pub unsafe extern "system" fn set_offsets(
         with_buffer,
         cmd_set_descriptor_buffer_offsets(handle, point, layout, first, count, indices, offsets),
         |known, next| {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { drawing::leave_for_command(known.as_deref(), handle) };
             next();
             if let Some(known) = known {
                 // SAFETY: valid usage demands so many indices and offsets.
                 let (indices, offsets) = unsafe { (slice(indices, count), slice(offsets, count)) };
                 let kind = CallKind::Offsets(indices.into(), offsets.into());
                 let call = Call { point, layout, first, kind };
-                // SAFETY: the command buffer is recording, by valid usage.
-                unsafe { note(&known, handle, &[point], |kept| kept.set(call.clone())) };
+                note(&known, handle, &[point], |kept| kept.set(call.clone()));
             }
         }
     );
@@ -278,6 +270,8 @@ pub unsafe extern "system" fn set_offsets2(
         with_buffer,
         cmd_set_descriptor_buffer_offsets2(handle, info),
         |known, next| {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { drawing::leave_for_command(known.as_deref(), handle) };
             next();
             let Some(known) = known else { return };
             // SAFETY: the pointer is valid, by valid usage, which demands as many indices and offsets as sets.
@@ -295,8 +289,7 @@ pub unsafe extern "system" fn set_offsets2(
                     kept.set(Call { point, layout: info.layout, first: info.first_set, kind });
                 }
             };
-            // SAFETY: the command buffer is recording, by valid usage.
-            unsafe { note(&known, handle, &points, set) };
+            note(&known, handle, &points, set);
         }
     );
 }
@@ -317,11 +310,12 @@ pub unsafe extern "system" fn bind_samplers(
         with_buffer,
         cmd_bind_descriptor_buffer_embedded_samplers(handle, point, layout, set),
         |known, next| {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { drawing::leave_for_command(known.as_deref(), handle) };
             next();
             if let Some(known) = known {
                 let call = Call { point, layout, first: set, kind: CallKind::Samplers };
-                // SAFETY: the command buffer is recording, by valid usage.
-                unsafe { note(&known, handle, &[point], |kept| kept.set(call.clone())) };
+                note(&known, handle, &[point], |kept| kept.set(call.clone()));
             }
         }
     );
@@ -341,6 +335,8 @@ pub unsafe extern "system" fn bind_samplers2(
         with_buffer,
         cmd_bind_descriptor_buffer_embedded_samplers2(handle, info),
         |known, next| {
+            // SAFETY: the command buffer is recording, by valid usage.
+            unsafe { drawing::leave_for_command(known.as_deref(), handle) };
             next();
             let Some(known) = known else { return };
             // SAFETY: the pointer is valid, by valid usage.
@@ -352,8 +348,7 @@ pub unsafe extern "system" fn bind_samplers2(
                     kept.set(Call { point, layout: info.layout, first: info.set, kind: CallKind::Samplers });
                 }
             };
-            // SAFETY: the command buffer is recording, by valid usage.
-            unsafe { note(&known, handle, &points, set) };
+            note(&known, handle, &points, set);
         }
     );
 }

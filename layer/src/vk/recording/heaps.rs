@@ -148,8 +148,7 @@ pub unsafe extern "system" fn bind_samplers(handle: vk::CommandBuffer, info: *co
         if let Some(known) = known {
             // SAFETY: the structure is valid, by valid usage.
             let info = unsafe { &*info };
-            // SAFETY: the command buffer is recording, by valid usage.
-            unsafe { note(&known, handle, &[], |kept| kept.heaps().bind(Kind::Sampler, info)) };
+            note(&known, handle, &[], |kept| kept.heaps().bind(Kind::Sampler, info));
         }
     });
 }
@@ -168,8 +167,7 @@ pub unsafe extern "system" fn bind_resources(handle: vk::CommandBuffer, info: *c
             let points = [vk::PipelineBindPoint::GRAPHICS];
             // SAFETY: the structure is valid, by valid usage.
             let info = unsafe { &*info };
-            // SAFETY: the command buffer is recording, by valid usage.
-            unsafe { note(&known, handle, &points, |kept| kept.heaps().bind(Kind::Resource, info)) };
+            note(&known, handle, &points, |kept| kept.heaps().bind(Kind::Resource, info));
         }
     });
 }

@@ -289,6 +289,12 @@ impl Buffer {
         let opened =
             unsafe { masks.begin_pass(handle, target, pass, attachments, context, (loading, settle)) };
         let (mask, loading) = opened.unzip();
+        if mask.as_ref().is_some_and(OpenMask::binds_ahead) {
+            // The draws of the pass read them. The compute state is restored after the pass.
+            let offsets = self.recorded().offsets.clone();
+            // SAFETY: as above.
+            unsafe { offsets.restore(&self.armed.next, handle) };
+        }
         (candidate, mask, loading.flatten())
     }
 
@@ -312,6 +318,7 @@ impl Buffer {
             has_offsets: !recorded.offsets.is_empty(),
             follows_graphics: recorded.drawing.is_followed(),
             is_conditional: recorded.is_conditional,
+            is_queried: recorded.is_queried(),
             is_inline,
             area,
         }

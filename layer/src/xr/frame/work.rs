@@ -63,12 +63,18 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// Asks in which layout the application left its newest image, if it is new.
-    pub fn ask_layout(&self, device: &VulkanDevice) {
-        if self.newest.fresh
-            && let Some(image) = self.substitute.app.images().get(self.newest.index as usize)
-        {
-            self.substitute.app.left_in(self.newest.index, device.layout(*image));
+    /// Asks in which layouts the application left its images: the newest, if it is new. With DXVK also earlier ones, as games copy them to
+    /// their windows after the release, and DXVK leaves them so.
+    pub fn ask_layouts(&self, device: &VulkanDevice) {
+        let newest = self.newest.fresh.then_some(self.newest.index);
+        let asked = match device.submits_late() {
+            true => 0..self.substitute.ring().given_out(),
+            false => newest.map_or(0..0, |newest| newest..newest + 1),
+        };
+        for index in asked {
+            if let Some(image) = self.substitute.app.images().get(index as usize) {
+                self.substitute.app.left_in(index, device.layout(*image));
+            }
         }
     }
 

@@ -155,11 +155,15 @@ unsafe fn plan(
     info: &xr::SwapchainCreateInfo,
 ) -> Result<SwapchainShape, NotSubstituted> {
     let tools = if session.may_have_work(config) { active.tools() } else { None };
-    let mut compose = tools.ok_or(NotSubstituted::NoWork)?.compose();
+    // No work is done for a queue that was once too far behind: images of ours would never be shown.
+    let tools = tools.filter(|tools| !tools.gpu.is_abandoned()).ok_or(NotSubstituted::NoWork)?;
+    // Before the lock, as it asks the runtime.
+    let recommended = eye_sizes::recommended(session);
+    let mut compose = tools.compose();
     // SAFETY: `info` and its chain are valid, as `# Safety` demands.
     let shape = unsafe { shape(info, |format| compose.supports(format)) }?;
     let size = [info.width, info.height];
-    if !eye_sizes::may_show_eyes(size, &eye_sizes::recommended(session)) {
+    if !eye_sizes::may_show_eyes(size, &recommended) {
         return Err(NotSubstituted::Size(size));
     }
     let prepared = match session.may_reuse(config) {

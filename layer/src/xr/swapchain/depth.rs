@@ -104,6 +104,8 @@ impl Swapchain {
         let image = index.and_then(|index| self.images().get(index as usize).copied());
         let left = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
         let left = image.map_or(left, |image| active.device.layout(image));
+        // There the application may draw the next depth before it is copied.
+        let index = index.filter(|_| image.is_none_or(|image| !active.device.is_used_on_other_queues(image)));
         // Never again after a panic.
         let known = std::mem::replace(&mut *self.depth(), Depth::Unavailable);
         let next = match (known, tools.zip(index)) {

@@ -83,7 +83,7 @@ fn printed(outcome: Result<String, String>) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("parafovea: {error}");
+            complain!("parafovea: {error}");
             ExitCode::FAILURE
         }
     }

@@ -36,11 +36,23 @@ pub fn apply(text: &str, option: &OptionSpec, change: Change<'_>) -> Result<Stri
 
 fn set(text: &str, option: &OptionSpec, typed: &str) -> Result<String, EditError> {
     let mut document: DocumentMut = text.parse()?;
+    if !option.section.is_empty() && !document.contains_key(option.section) {
+        // Comments at the end of the file belong to the section above, and stay there.
+        let mut above = document.trailing().as_str().unwrap_or_default().to_owned();
+        if !above.is_empty() && !above.ends_with('\n') {
+            above.push('\n');
+        }
+        let is_first = document.is_empty() && above.is_empty();
+        let mut table = Table::new();
+        table.decor_mut().set_prefix(if is_first { above } else { above + "\n" });
+        document.set_trailing("");
+        document.insert(option.section, Item::Table(table));
+    }
     let root = document.as_table_mut();
     let table: &mut dyn TableLike = match option.section {
         "" => root,
         section => {
-            let item = root.entry(section).or_insert_with(|| Item::Table(Table::new()));
+            let item = root.get_mut(section).ok_or(EditError::NoSection(section))?;
             item.as_table_like_mut().ok_or(EditError::NoSection(section))?
         }
     };
@@ -115,6 +127,17 @@ mod tests {
         assert_eq!(set(text, "enabled", "false"), text.replace("true", "false"));
         assert_eq!(set(text, "chroma.plateau_deg", "8.5"), text.replace("= 7", "= 8.5"));
         assert_eq!(set(text, "gaze.hold_ms", "100"), format!("{text}\n[gaze]\nhold_ms = 100\n"));
+        for end in ["# transitional_deg = 40\n", "# a\n\n# b", "\n"] {
+            let text = format!("[rates]\nfoveal_deg = 20\n{end}");
+            let line = if end.ends_with('\n') { "" } else { "\n" };
+            assert_eq!(
+                set(&text, "gaze.hold_ms", "100"),
+                format!("{text}{line}\n[gaze]\nhold_ms = 100\n"),
+                "comments stay in their section"
+            );
+        }
+        assert_eq!(set("# all\n", "gaze.hold_ms", "100"), "# all\n\n[gaze]\nhold_ms = 100\n");
+        assert_eq!(set("", "gaze.hold_ms", "100"), "[gaze]\nhold_ms = 100\n");
         let unset = apply(text, option("chroma.plateau_deg"), Change::Unset).unwrap();
         assert_eq!(unset, text.replace("plateau_deg = 7\n", ""));
         assert_eq!(apply(text, option("gaze.hold_ms"), Change::Unset).unwrap(), text);

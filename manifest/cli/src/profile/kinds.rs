@@ -1,6 +1,6 @@
 //! Settings that suit kinds of applications, each explained.
 
-use parafovea_manifest::options::OPTIONS;
+use parafovea_manifest::options::{Config, OPTIONS, OptionSpec};
 use std::fmt::Write;
 
 /// A kind of application.
@@ -160,6 +160,13 @@ pub fn file(name: &str) -> String {
         );
     }
     text
+}
+
+/// Whether the file of that kind sets an option, and not to its default.
+pub fn changes(name: &str, option: &OptionSpec) -> bool {
+    let kind = KINDS.iter().find(|kind| kind.name == name);
+    let setting = kind.and_then(|kind| kind.settings.iter().find(|setting| setting.key == option.key()));
+    setting.is_some_and(|setting| setting.value != option.value(&Config::default()))
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
         let which = application.map_or("no running application".to_owned(), |name| {
             format!("no running application named {name}")
         });
-        eprintln!(
+        complain!(
             "parafovea: {which} has an OpenXR session with Parafovea; to list all applications: parafovea status"
         );
         return ExitCode::FAILURE;

@@ -219,6 +219,8 @@ fn a_full_disk_is_a_failure_and_a_reader_that_ends_is_none() {
         let ended = run(&format!("(sleep 0.1; \"$0\" {arguments}; echo $? >&2) | true"));
         assert_eq!(String::from_utf8_lossy(&ended.stderr), "0\n", "{arguments}");
     }
+    let unheard = run("\"$0\" profile set all plateau_deg 7 2> /dev/full; echo $?");
+    assert_eq!(printed(&unheard), "1\n");
 }
 
 #[test]

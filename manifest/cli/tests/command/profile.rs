@@ -36,6 +36,10 @@ fn a_name_that_no_application_has_had_is_told_with_the_nearest_known_ones() {
             assert!(said.ends_with(&expected), "{said}");
         }
     }
+    let examined = |name: &str| printed(&parafovea(home.path(), &["doctor", name, "--json"]));
+    let said = examined("BeatSaber");
+    assert!(said.contains("\"similar names: Beat Saber, Beat Saber.exe\""), "{said}");
+    assert!(!examined("Beat Saber").contains("unknown-application"));
     let said = printed(&profile(&["new", "beat-saber.exe", "proton"]));
     assert!(said.contains("similar names: \"Beat Saber"), "{said}");
     for known in ["Beat Saber", "Beat Saber.exe", "all"] {
@@ -110,6 +114,13 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     ] {
         assert!(shown.contains(&format!("{setting}  # set in this file")), "{setting} in\n{shown}");
     }
+    printed(&profile(&["new", "level", "godot"]));
+    let shown = printed(&profile(&["show", "level"]));
+    assert!(
+        shown.contains("preset = \"performance\"  # set in this file"),
+        "no default overrules it: {shown}"
+    );
+    fs::remove_file(home.path().join(".config/parafovea/apps/level.toml")).unwrap();
     assert!(complained(&profile(&["new", "sim", "proton"])).contains("already exists"));
     let listed = printed(&profile(&["list"]));
     let names: Vec<_> = listed.lines().filter(|line| !line.starts_with(' ')).collect();

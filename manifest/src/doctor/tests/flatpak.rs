@@ -34,6 +34,10 @@ fn an_outdated_layer_is_found() {
     assert_eq!(machine.ids(), [""; 0]);
     fs::write(library_path(&machine.path(DATA)), library("0")).unwrap();
     assert_eq!(machine.ids(), ["flatpak-steam"]);
+    let program = machine.surroundings().program;
+    let command = format!("XDG_DATA_HOME={} {} install; ", machine.path(DATA).display(), program.display());
+    let advice = &machine.findings()[0].advice;
+    assert!(advice.starts_with(&command), "{advice}");
 }
 
 /// Flatpak keeps the home folder of a removed application.

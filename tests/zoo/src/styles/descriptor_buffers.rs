@@ -1,7 +1,7 @@
 //! Descriptors in a buffer (VK_EXT_descriptor_buffer) instead of sets.
 
 use crate::app::{App, EYES, Recorder};
-use crate::gpu::{Buffer, Depth, Gpu, ImageSpec, Kind, Made, PassSpec, PipelineSpec, Shader, Target};
+use crate::gpu::{Buffer, Depth, Gpu, ImageSpec, Kind, Made, PipelineSpec, Shader, Target};
 use crate::scene::{BOXES, Draw, FORWARD, IN_FLIGHT, STAGES, STRIDE, Uniforms, VERTICES};
 use crate::style::Style;
 use crate::support::{Feature, Needs};
@@ -12,13 +12,13 @@ use ash::vk;
 
 pub const STYLE: Style = Style {
     name: "descriptor-buffers",
-    says: "descriptors in a buffer, in dynamic rendering",
+    says: "descriptors in a buffer, in dynamic rendering, in two passes",
     needs: Needs {
         extensions: &[c"VK_EXT_descriptor_buffer"],
         features: &[Feature::DynamicRendering, Feature::DescriptorBuffer, Feature::BufferDeviceAddress],
         ..Needs::DYNAMIC
     },
-    passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
+    passes: |size, _| PassTruth::halves(size, COLOR),
     start,
     ..Style::PLAIN
 };
@@ -26,12 +26,11 @@ pub const STYLE: Style = Style {
 fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let gpu = app.gpu;
     let depth = gpu.image(&ImageSpec::depth(app.size))?;
-    let eyes =
-        app.eye_passes(Kind::Dynamic, |color| PassSpec::new(color.overwritten(), depth.depth_cleared(1.0)))?;
+    let eyes = app.halves(Kind::Dynamic, depth.depth_cleared(1.0))?;
     let api = ash::ext::descriptor_buffer::Device::new(&gpu.instance, gpu);
     let (set_layout, layout) = layouts(gpu)?;
-    let boxes = pipeline(gpu, FORWARD.boxes, Depth::LESS, layout, &eyes[0][0].target)?;
-    let sky = pipeline(gpu, FORWARD.sky, Depth::LAST, layout, &eyes[0][0].target)?;
+    let boxes = pipeline(gpu, FORWARD.boxes, Depth::LESS, layout, &eyes[0][0][0].target)?;
+    let sky = pipeline(gpu, FORWARD.sky, Depth::LAST, layout, &eyes[0][0][0].target)?;
     let (descriptors, stride) = descriptors(app, &api, set_layout)?;
     let graphics = vk::PipelineBindPoint::GRAPHICS;
     Ok(Box::new(move |frame| {
@@ -39,7 +38,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
         let binding = vk::DescriptorBufferBindingInfoEXT::default()
             .address(gpu.address(&descriptors))
             .usage(vk::BufferUsageFlags::RESOURCE_DESCRIPTOR_BUFFER_EXT);
-        // Once for both eyes: a layer that binds its own in between must restore these.
+        // Once for all passes: a layer that binds its own in between must restore these.
         let offset = [stride * frame.slot as u64];
         // SAFETY: the command buffer is being recorded; the buffer holds a set of this layout for each slot.
         unsafe {
@@ -47,18 +46,24 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
             api.cmd_set_descriptor_buffer_offsets(commands, graphics, layout, 0, &[0], &offset);
         }
         for eye in EYES {
-            let pass = &eyes[eye][frame.color[eye]];
+            let [first, second] = [0, 1].map(|half| &eyes[half][eye][frame.color[eye]]);
             let draw = Draw { view: eye as u32, far: 1.0, ..Draw::default() };
-            pass.begin(gpu, commands);
+            first.begin(gpu, commands);
             // SAFETY: the pass was begun; offsets were set.
             unsafe {
                 gpu.cmd_push_constants(commands, layout, STAGES, 0, bytemuck::bytes_of(&draw));
                 gpu.cmd_bind_pipeline(commands, graphics, boxes);
-                gpu.cmd_draw(commands, VERTICES, BOXES, 0, 0);
+                gpu.cmd_draw(commands, VERTICES, BOXES / 2, 0, 0);
+            }
+            first.end(gpu, commands);
+            second.begin(gpu, commands);
+            // SAFETY: as above; constants and pipeline stay bound from one pass to the next.
+            unsafe {
+                gpu.cmd_draw(commands, VERTICES, BOXES / 2, 0, BOXES / 2);
                 gpu.cmd_bind_pipeline(commands, graphics, sky);
                 gpu.cmd_draw(commands, 3, 1, 0, 0);
             }
-            pass.end(gpu, commands);
+            second.end(gpu, commands);
         }
         Ok(())
     }))

@@ -2,7 +2,7 @@
 
 use crate::app::{App, EYES, Recorder};
 use crate::gpu::{
-    Depth, Gpu, HeapBinding, ImageSpec, Kind, Making, PassSpec, PipelineSpec, Shader, Target, UniformHeap,
+    Depth, Gpu, HeapBinding, ImageSpec, Kind, Making, PipelineSpec, Shader, Target, UniformHeap,
 };
 use crate::scene::{BOXES, Draw, FORWARD, IN_FLIGHT, STRIDE, Uniforms, VERTICES};
 use crate::style::Style;
@@ -14,7 +14,7 @@ use ash::vk;
 
 pub const STYLE: Style = Style {
     name: "descriptor-heaps",
-    says: "descriptors in a heap and push data, in dynamic rendering",
+    says: "descriptors in a heap and push data, in dynamic rendering, in two passes",
     needs: Needs {
         extensions: &[c"VK_EXT_descriptor_heap", c"VK_KHR_maintenance5"],
         features: &[
@@ -25,7 +25,7 @@ pub const STYLE: Style = Style {
         ],
         ..Needs::DYNAMIC
     },
-    passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
+    passes: |size, _| PassTruth::halves(size, COLOR),
     // Another lavapipe than that of the other styles rounds a value in 40,000 otherwise.
     likeness: Some(0.001),
     start,
@@ -38,34 +38,39 @@ const NUMBER: u32 = size_of::<Draw>() as u32;
 fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let gpu = app.gpu;
     let depth = gpu.image(&ImageSpec::depth(app.size))?;
-    let eyes =
-        app.eye_passes(Kind::Dynamic, |color| PassSpec::new(color.overwritten(), depth.depth_cleared(1.0)))?;
+    let eyes = app.halves(Kind::Dynamic, depth.depth_cleared(1.0))?;
     let heap = UniformHeap::new(gpu, &app.scene.uniforms, (IN_FLIGHT, STRIDE, size_of::<Uniforms>()))?;
     let binding = HeapBinding { push_offset: NUMBER, stride: heap.stride };
-    let boxes = pipeline(gpu, FORWARD.boxes, Depth::LESS, binding, &eyes[0][0].target)?;
-    let sky = pipeline(gpu, FORWARD.sky, Depth::LAST, binding, &eyes[0][0].target)?;
+    let boxes = pipeline(gpu, FORWARD.boxes, Depth::LESS, binding, &eyes[0][0][0].target)?;
+    let sky = pipeline(gpu, FORWARD.sky, Depth::LAST, binding, &eyes[0][0][0].target)?;
     let graphics = vk::PipelineBindPoint::GRAPHICS;
     Ok(Box::new(move |frame| {
         let commands = frame.commands;
-        // Once for both eyes: a layer that binds its own in between must restore these.
+        // Once for all passes: a layer that binds its own in between must restore these.
         // SAFETY: the command buffer is being recorded.
         unsafe {
             heap.bind(commands);
             heap.push(commands, NUMBER, &(frame.slot as u32).to_ne_bytes());
         }
         for eye in EYES {
-            let pass = &eyes[eye][frame.color[eye]];
+            let [first, second] = [0, 1].map(|half| &eyes[half][eye][frame.color[eye]]);
             let draw = Draw { view: eye as u32, far: 1.0, ..Draw::default() };
-            pass.begin(gpu, commands);
+            first.begin(gpu, commands);
             // SAFETY: the pass was begun; the heap is bound.
             unsafe {
                 heap.push(commands, 0, bytemuck::bytes_of(&draw));
                 gpu.cmd_bind_pipeline(commands, graphics, boxes);
-                gpu.cmd_draw(commands, VERTICES, BOXES, 0, 0);
+                gpu.cmd_draw(commands, VERTICES, BOXES / 2, 0, 0);
+            }
+            first.end(gpu, commands);
+            second.begin(gpu, commands);
+            // SAFETY: as above; data and pipeline stay bound from one pass to the next.
+            unsafe {
+                gpu.cmd_draw(commands, VERTICES, BOXES / 2, 0, BOXES / 2);
                 gpu.cmd_bind_pipeline(commands, graphics, sky);
                 gpu.cmd_draw(commands, 3, 1, 0, 0);
             }
-            pass.end(gpu, commands);
+            second.end(gpu, commands);
         }
         Ok(())
     }))

@@ -1,10 +1,10 @@
 //! The scene in two passes for each eye: the second loads colour and depth of the first.
 
 use crate::app::{App, EYES, Recorder};
-use crate::gpu::{ImageSpec, Kind, PassSpec};
+use crate::gpu::{ImageSpec, Kind};
 use crate::scene::{BOXES, Draw, FORWARD, VERTICES};
 use crate::style::Style;
-use crate::truth::{Eyes, PassTruth};
+use crate::truth::PassTruth;
 use crate::xr::COLOR;
 use anyhow::Result;
 use ash::vk;
@@ -13,15 +13,7 @@ pub const STYLE: Style = Style {
     name: "loaded-depth",
     says: "half of the boxes in a second pass, which loads colour and depth",
     can_set_rates: true,
-    passes: |size, _| {
-        let eye = |eyes| {
-            [
-                PassTruth::new(size, COLOR, eyes, "scene, first half"),
-                PassTruth::new(size, COLOR, eyes, "scene, second half and sky"),
-            ]
-        };
-        [eye(Eyes::Left), eye(Eyes::Right)].concat()
-    },
+    passes: |size, _| PassTruth::halves(size, COLOR),
     start,
     ..Style::PLAIN
 };
@@ -29,11 +21,7 @@ pub const STYLE: Style = Style {
 fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let gpu = app.gpu;
     let depth = gpu.image(&ImageSpec::depth(app.size))?;
-    let stored = depth.depth_cleared(1.0).stored();
-    let first = app.eye_passes(Kind::RenderPass, |color| PassSpec::new(color.cleared([0.0; 4]), stored))?;
-    let second = app.eye_passes(Kind::RenderPass, |color| {
-        PassSpec::new(color.overwritten().loaded(), stored.loaded().discarded())
-    })?;
+    let [first, second] = app.halves(Kind::RenderPass, depth.depth_cleared(1.0))?;
     // The render passes of both differ in loads alone: they are compatible.
     let pipelines = app.scene.pipelines(gpu, &first[0][0].target, &FORWARD)?;
     let graphics = vk::PipelineBindPoint::GRAPHICS;

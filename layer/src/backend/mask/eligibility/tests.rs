@@ -19,6 +19,7 @@ pub fn depth() -> DepthFacts {
         stores_stencil: false,
         is_loaded_later: false,
         is_submitted: false,
+        is_separate: false,
         is_writable: true,
         is_readable: true,
     }
