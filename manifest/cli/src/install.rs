@@ -7,9 +7,11 @@ use parafovea_manifest::doctor::{
 };
 use parafovea_manifest::install::{InstallError, LIBRARY_NAME, Step, plan_install, plan_uninstall};
 use parafovea_manifest::paths::Environment;
-use std::env;
+use std::ffi::OsStr;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::{env, fs};
 
 /// Reason why nothing, or not everything, was done.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +22,10 @@ enum Failure {
         "no folder to install into: neither XDG_DATA_HOME nor HOME is an absolute path; set HOME to your home folder"
     )]
     NoHome,
+    #[error(
+        "sudo makes this the installation of root alone; run it without sudo, or with --system for all users"
+    )]
+    Sudo,
     #[error("{LIBRARY_NAME} is in none of these places: {}; give its path with --library", list(.0))]
     NoLibrary(Vec<PathBuf>),
     #[error(
@@ -144,6 +150,10 @@ impl Scope {
         if self.system {
             return Ok(PathBuf::from(SYSTEM_DATA));
         }
+        let user = fs::metadata("/proc/self").map(|process| process.uid()).ok();
+        if is_by_sudo(user, env::var_os("SUDO_UID").as_deref()) {
+            return Err(Failure::Sudo);
+        }
         Environment::of_process(false).data_home().map(Path::to_owned).ok_or(Failure::NoHome)
     }
 }
@@ -160,4 +170,23 @@ fn places() -> Vec<PathBuf> {
     [folder.to_owned(), above.join("lib"), above.join("lib/parafovea")]
         .map(|place| place.join(LIBRARY_NAME))
         .to_vec()
+}
+
+/// Whether `sudo` runs this process as root for another user (sudo, "SUDO_UID").
+fn is_by_sudo(user: Option<u32>, sudo_uid: Option<&OsStr>) -> bool {
+    user == Some(0) && sudo_uid.is_some_and(|caller| caller != "0")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sudo_installs_for_all_users_only() {
+        let of = |user, caller: Option<&str>| is_by_sudo(Some(user), caller.map(OsStr::new));
+        assert!(of(0, Some("1000")));
+        assert!(!of(0, None) && !of(0, Some("0")), "a root user");
+        assert!(!of(1000, Some("1000")), "a variable that was left over");
+        assert!(!is_by_sudo(None, Some(OsStr::new("1000"))));
+    }
 }

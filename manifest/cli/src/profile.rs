@@ -249,9 +249,12 @@ fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> 
     Ok(outcome + &notes(files, &path, &target))
 }
 
-/// Lines about a file that was written: reasons why it may have no effect.
+/// Lines about a file that was written: reasons why it may have no effect, or more than asked for.
 fn notes(files: &Files, path: &Path, target: &Target) -> String {
-    files.shadow(path, target).into_iter().chain(files.unknown(target)).collect()
+    [files.shared(path, target), files.shadow(path, target), files.unknown(target)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Prints a line for each error in any file.

@@ -102,6 +102,15 @@ impl Files {
         ))
     }
 
+    /// A line about a file that is for an OpenXR name while another name was typed: OpenVR games below xrizer share one. `None` for other
+    /// files.
+    pub fn shared(&self, changed: &Path, target: &Target) -> Option<String> {
+        let names = target.names.as_ref()?;
+        let application = names.application.as_ref().filter(|name| **name != target.name)?;
+        (changed.file_stem()? == OsStr::new(&file_stem(application)?))
+            .then(|| format!("This file applies to all applications with the OpenXR name {application:?}.\n"))
+    }
+
     /// A line about a name that no application has had so far, which may be misspelt; `None` for a known one.
     pub fn unknown(&self, target: &Target) -> Option<String> {
         if target.has_run {

@@ -150,6 +150,8 @@ fn both_names_of_an_application_lead_to_its_one_profile() {
         printed(&profile(&["set", first, "rates.foveal_deg", "20.0"]));
         let said = printed(&profile(&["set", second, "chroma.mode", "default"]));
         assert!(said.starts_with(&file.display().to_string()), "{said}");
+        let is_shared = said.contains("applies to all applications with the OpenXR name \"My Game\"");
+        assert_eq!(is_shared, first == "My Game", "{said}");
         let text = fs::read_to_string(&file).unwrap();
         assert!(text.contains("foveal_deg = 20.0") && text.contains("mode = \"default\""), "{text}");
         assert_eq!(fs::read_dir(folder.join("apps")).unwrap().count(), 1);
