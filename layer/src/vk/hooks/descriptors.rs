@@ -2,7 +2,7 @@
 
 use crate::abi::copies::slice;
 use crate::vk::device;
-use crate::vk::objects::descriptors::reads_image;
+use crate::vk::objects::descriptors::written_views;
 use ash::vk;
 
 /// `vkAllocateDescriptorSets`.
@@ -128,12 +128,10 @@ pub unsafe extern "system" fn update(
             // SAFETY: valid usage demands so many writes and copies.
             let (writes, copies) = unsafe { (slice(writes, write_count), slice(copies, copy_count)) };
             let descriptors = &armed.objects.descriptors;
-            for write in writes.iter().filter(|write| reads_image(write.descriptor_type)) {
-                // SAFETY: writes of this type have so many images, by valid usage.
-                let images = unsafe { slice(write.p_image_info, write.descriptor_count) };
-                for (element, image) in (write.dst_array_element..).zip(images) {
-                    let attachment = descriptors.attachment(&armed.objects, image.image_view);
-                    descriptors.write(write.dst_set, (write.dst_binding, element), attachment);
+            for write in writes {
+                // SAFETY: the writes are valid, by valid usage.
+                for (at, view) in unsafe { written_views(write) } {
+                    descriptors.write(write.dst_set, at, descriptors.attachment(&armed.objects, view));
                 }
             }
             for copy in copies {
@@ -164,11 +162,12 @@ pub unsafe extern "system" fn create_template(
             let result = next();
             if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
                 // SAFETY: the pointers are valid, by valid usage, with so many entries; the call has written the template.
-                let (template, entries) = unsafe {
+                let (info, template, entries) = unsafe {
                     let info = &*info;
-                    (*template, slice(info.p_descriptor_update_entries, info.descriptor_update_entry_count))
+                    let count = info.descriptor_update_entry_count;
+                    (info, *template, slice(info.p_descriptor_update_entries, count))
                 };
-                armed.objects.descriptors.add_template(template, entries);
+                armed.objects.descriptors.add_template(template, entries, info.pipeline_bind_point);
             }
             result
         }

@@ -111,13 +111,14 @@ impl Descriptors {
         self.open_layouts.remove(layout);
     }
 
-    /// A template of updates is made of these entries.
+    /// A template of updates is made of these entries; one of pushes is for that bind point.
     pub fn add_template(
         &self,
         template: vk::DescriptorUpdateTemplate,
         entries: &[vk::DescriptorUpdateTemplateEntry],
+        point: vk::PipelineBindPoint,
     ) {
-        self.templates.insert(template, Arc::new(Template::new(entries)));
+        self.templates.insert(template, Arc::new(Template::new(entries, point)));
     }
 
     /// A template is destroyed.
@@ -180,7 +181,8 @@ impl Descriptors {
         self.is_overrun.load(Ordering::Relaxed)
     }
 
-    fn forget(&self, set: vk::DescriptorSet) {
+    /// A set has no content any more.
+    pub fn forget(&self, set: vk::DescriptorSet) {
         if let Some(held) = self.sets.remove(set) {
             self.forgot(set, &held);
         }
@@ -252,17 +254,17 @@ impl Descriptors {
         self.is_sweeping.store(false, Ordering::Release);
     }
 
-    /// One element of a binding is written.
-    pub fn write(&self, set: vk::DescriptorSet, at: (u32, u32), image: Option<ImageKey>) {
+    /// One element of a binding is written. Returns whether that changed the attachments of the set.
+    pub fn write(&self, set: vk::DescriptorSet, at: (u32, u32), image: Option<ImageKey>) -> bool {
         if self.is_overrun()
             || (image.is_none() && !self.may_read(set))
-            || self.sets.is(set, |held| held.is_global)
+            || self.sets.is(set, |held| held.is_global || held.has(at, image))
         {
-            return;
+            return false;
         }
         let known = self.sets.get(set);
         if image.is_none() && known.is_none() {
-            return;
+            return false;
         }
         let mut held = known.clone().unwrap_or_default();
         held.images.retain(|(binding, element, _)| (*binding, *element) != at);
@@ -272,9 +274,11 @@ impl Descriptors {
             held.is_global = true;
         }
         if held.images.is_empty() && !held.is_open {
-            return self.forget(set);
+            self.forget(set);
+        } else {
+            self.keep(set, held, known);
         }
-        self.keep(set, held, known);
+        true
     }
 
     /// The attachment that a view is of, if it is of one.
@@ -287,15 +291,44 @@ impl Descriptors {
 }
 
 impl Held {
+    /// Whether an element of a binding is this attachment, or none.
+    fn has(&self, at: (u32, u32), image: Option<ImageKey>) -> bool {
+        let held = self.images.iter().find(|(binding, element, _)| (*binding, *element) == at);
+        held.map(|(.., image)| *image) == image
+    }
+
     fn is_nothing_but_open(&self) -> bool {
         self.is_open && self.images.is_empty()
     }
 }
 
 /// Whether descriptors of a kind name images that shaders read.
-pub fn reads_image(kind: vk::DescriptorType) -> bool {
+fn reads_image(kind: vk::DescriptorType) -> bool {
     use vk::DescriptorType as Kind;
     matches!(kind, Kind::COMBINED_IMAGE_SAMPLER | Kind::SAMPLED_IMAGE | Kind::STORAGE_IMAGE)
+}
+
+/// The views that shaders read images by, each with its binding and array element.
+///
+/// # Safety
+///
+/// Valid usage of the write.
+pub unsafe fn written_views<'a>(
+    write: &vk::WriteDescriptorSet<'a>,
+) -> impl Iterator<Item = ((u32, u32), vk::ImageView)> + use<'a> {
+    let binding = write.dst_binding;
+    let count = if reads_image(write.descriptor_type) { write.descriptor_count } else { 0 };
+    // SAFETY: writes of these types have so many images, by valid usage.
+    let images: &'a [vk::DescriptorImageInfo] = unsafe { slice(write.p_image_info, count) };
+    (write.dst_array_element..)
+        .zip(images)
+        .map(move |(element, image)| ((binding, element), image.image_view))
+}
+
+/// The set for descriptors that are pushed to a number in a command buffer. No set of an application has this handle, an address within the
+/// command buffer's object.
+pub fn pushed_set(commands: vk::CommandBuffer, number: u32) -> vk::DescriptorSet {
+    vk::DescriptorSet::from_raw(commands.as_raw() + 1 + u64::from(number))
 }
 
 /// Whether the content of a layout's sets is unknown.

@@ -10,6 +10,7 @@ use crate::backend::mask::follows_graphics;
 use crate::vk::device_slots::DeviceSlots;
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::ArmedTable;
+use crate::vk::objects::descriptors::written_views;
 use ash::vk;
 use std::mem;
 
@@ -242,9 +243,10 @@ fn of(stages: vk::ShaderStageFlags) -> [bool; 2] {
     [vk::PipelineBindPoint::COMPUTE, vk::PipelineBindPoint::GRAPHICS].map(|known| points.contains(&known))
 }
 
-/// Hooks of commands that bind state which is not kept here; the next layer's function of that name is in the table's `$field`.
-macro_rules! binds_more {
-    ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), for $points:expr;)*) => {$(
+/// Hooks of commands that push descriptors, which cannot be bound again here; the next layer's function of that name is in the table's
+/// `$field`. `$push` notes the images that draws read by them.
+macro_rules! pushes {
+    ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), for $points:expr, $push:ident($($pushed:expr),*);)*) => {$(
         #[doc = concat!("`", $call, "`.")]
         ///
         /// # Safety
@@ -257,13 +259,56 @@ macro_rules! binds_more {
                     unsafe { known.fill_before_binding(handle) };
                 }
                 next();
-                if let Some(known) = known {
-                    // SAFETY: the command buffer is recording, and pointers are valid, by valid usage.
-                    unsafe { note_more(&known, handle, $points) };
+                // SAFETY: the command buffer is recording, and pointers are valid, by valid usage.
+                unsafe {
+                    let points = $points;
+                    if points[1] {
+                        $push(handle, $($pushed),*);
+                    }
+                    if let Some(known) = known {
+                        note_unkept(&known, handle, points);
+                    }
                 }
             });
         }
     )*};
+}
+
+/// Notes the images of pushes to the set of that number, for drawing.
+///
+/// # Safety
+///
+/// `handle` is a live command buffer; so many writes are valid.
+unsafe fn push_writes(
+    handle: vk::CommandBuffer,
+    number: u32,
+    (count, writes): (u32, *const vk::WriteDescriptorSet<'_>),
+) {
+    // SAFETY: as `# Safety` demands.
+    unsafe {
+        let views = slice(writes, count).iter().flat_map(|write| written_views(write));
+        draws::push(handle, number, views);
+    }
+}
+
+/// Notes the images of a push by a template, if it is for drawing.
+///
+/// # Safety
+///
+/// `handle` is a live command buffer; `data` is as the template describes it.
+unsafe fn push_data(
+    handle: vk::CommandBuffer,
+    number: u32,
+    (template, data): (vk::DescriptorUpdateTemplate, *const std::ffi::c_void),
+) {
+    // SAFETY: as `# Safety` demands.
+    let Some(armed) = (unsafe { draws::cached_device(handle) }) else { return };
+    match armed.objects.descriptors.template(template) {
+        // SAFETY: as above.
+        Some(template) if template.draws() => unsafe { draws::push(handle, number, template.views(data)) },
+        Some(_) => {}
+        None => draws::bind_unknown(handle),
+    }
 }
 
 /// State that is not kept was bound, for computing or for drawing.
@@ -271,10 +316,20 @@ macro_rules! binds_more {
 /// # Safety
 ///
 /// `handle` is this command buffer, which is recording.
-unsafe fn note_more(known: &Buffer, handle: vk::CommandBuffer, [computes, draws]: [bool; 2]) {
-    if draws {
+unsafe fn note_more(known: &Buffer, handle: vk::CommandBuffer, points: [bool; 2]) {
+    if points[1] {
         draws::bind_unknown(handle);
     }
+    // SAFETY: as `# Safety` demands.
+    unsafe { note_unkept(known, handle, points) };
+}
+
+/// As [`note_more`], where the reads of draws are known.
+///
+/// # Safety
+///
+/// As there.
+unsafe fn note_unkept(known: &Buffer, handle: vk::CommandBuffer, [computes, draws]: [bool; 2]) {
     if known.armed.masks.is_none() {
         return;
     }
@@ -288,24 +343,25 @@ unsafe fn note_more(known: &Buffer, handle: vk::CommandBuffer, [computes, draws]
     }
 }
 
-binds_more! {
+pushes! {
     push_set, "vkCmdPushDescriptorSet", cmd_push_descriptor_set: (
         point: vk::PipelineBindPoint,
         layout: vk::PipelineLayout,
         set: u32,
         count: u32,
         writes: *const vk::WriteDescriptorSet<'_>
-    ), for at(point);
+    ), for at(point), push_writes(set, (count, writes));
     push_set_with_template, "vkCmdPushDescriptorSetWithTemplate", cmd_push_descriptor_set_with_template: (
         template: vk::DescriptorUpdateTemplate,
         layout: vk::PipelineLayout,
         set: u32,
         data: *const std::ffi::c_void
-    ), for [true; 2];
+    ), for [true; 2], push_data(set, (template, data));
     push_set2, "vkCmdPushDescriptorSet2", cmd_push_descriptor_set2: (
         info: *const vk::PushDescriptorSetInfoKHR<'_>
-    ), for of((*info).stage_flags);
+    ), for of((*info).stage_flags),
+        push_writes((*info).set, ((*info).descriptor_write_count, (*info).p_descriptor_writes));
     push_set_with_template2, "vkCmdPushDescriptorSetWithTemplate2", cmd_push_descriptor_set_with_template2: (
         info: *const vk::PushDescriptorSetWithTemplateInfoKHR<'_>
-    ), for [true; 2];
+    ), for [true; 2], push_data((*info).set, ((*info).descriptor_update_template, (*info).p_data));
 }

@@ -11,6 +11,7 @@ pub use hooks::*;
 
 use super::{Buffer, buffer, untracked};
 use crate::pass_detection::{Draws, Reads};
+use crate::vk::objects::descriptors::pushed_set;
 use ash::vk;
 use ash::vk::Handle;
 use std::cell::Cell;
@@ -164,6 +165,13 @@ impl Open {
         }
     }
 
+    /// Something is bound that is not followed.
+    fn bind_unknown(&self) {
+        if !self.is_unknown.get() {
+            self.forget_bound(self.bound_in.get(), true);
+        }
+    }
+
     fn bound(&self) -> Bound {
         let sets = self.sets.each_ref().map(Cell::get);
         Bound { within: self.bound_in.get(), sets, is_unknown: self.is_unknown.get() }
@@ -312,14 +320,49 @@ pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::Descriptor
     });
 }
 
+/// Descriptors are pushed for drawing to the set of that number, those with images by these views: others of the set stay.
+///
+/// # Safety
+///
+/// `handle` is a live command buffer.
+pub unsafe fn push(
+    handle: vk::CommandBuffer,
+    number: u32,
+    views: impl Iterator<Item = ((u32, u32), vk::ImageView)>,
+) {
+    // SAFETY: the handle is live, as `# Safety` demands.
+    let Some(armed) = (unsafe { cached_device(handle) }) else { return };
+    if untracked::is_here(handle) {
+        return;
+    }
+    let descriptors = &armed.objects.descriptors;
+    let set = pushed_set(handle, number);
+    let _ = OPEN.try_with(|open| {
+        open.turn_to(handle.as_raw());
+        let Some(bound) = open.sets.get(number as usize) else { return open.bind_unknown() };
+        let before = bound.get();
+        if before != set.as_raw() && descriptors.may_read(set) {
+            // Pushed in an earlier recording, or before another set was bound.
+            descriptors.forget(set);
+        }
+        let mut is_changed = false;
+        for (at, view) in views {
+            is_changed |= descriptors.write(set, at, descriptors.attachment(&armed.objects, view));
+        }
+        let now = if descriptors.may_read(set) { set.as_raw() } else { 0 };
+        bound.set(now);
+        if is_changed || before != now {
+            open.is_bound_anew(descriptors.may_name(set));
+        }
+    });
+}
+
 /// Something is bound for drawing that is not followed.
 pub fn bind_unknown(handle: vk::CommandBuffer) {
     let raw = handle.as_raw();
     let _ = OPEN.try_with(|open| {
         open.turn_to(raw);
-        if !open.is_unknown.get() {
-            open.forget_bound(raw, true);
-        }
+        open.bind_unknown();
     });
 }
 

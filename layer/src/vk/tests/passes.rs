@@ -5,6 +5,7 @@ use super::*;
 use crate::pass_detection::{Event, ImageKey};
 use crate::vk::dispatch::armed_hook;
 use crate::vk::newer as types;
+use crate::vk::objects::{Image, View};
 use crate::vk::recording::{self, Buffer, draws};
 use crate::vk::timing::Timer;
 use std::sync::Arc;
@@ -150,6 +151,83 @@ fn read_by_meshes(buffer: &Buffer) -> (Vec<u64>, bool) {
     let Some(Event::Pass(pass)) = recorded.events.last() else { panic!("no pass") };
     let reads = &pass.draws.as_ref().unwrap().read_by_meshes;
     (reads.images.iter().map(|image| image.0).collect(), reads.may_read_more)
+}
+
+/// A view of a picture, in a device's tables.
+fn view_of_picture(buffer: &Buffer, number: u64) -> (vk::ImageView, u64) {
+    let objects = &buffer.armed.objects;
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+    let image =
+        Image::created(vk::Image::from_raw(number), &vk::ImageCreateInfo::default().usage(usage), usage);
+    objects.add_image(image);
+    let info = vk::ImageViewCreateInfo::default().image(image.handle).view_type(vk::ImageViewType::TYPE_2D);
+    let view = vk::ImageView::from_raw(number);
+    objects.views.insert(view, View::created(objects, &info).unwrap());
+    objects.descriptors.add_view(view);
+    (view, image.description.key.0)
+}
+
+#[test]
+fn pushed_descriptors_are_read_until_others_take_their_place() {
+    let push = hook!(c"vkCmdPushDescriptorSetKHR": PFN_vkCmdPushDescriptorSetKHR);
+    let push_by = hook!(c"vkCmdPushDescriptorSetWithTemplateKHR": PFN_vkCmdPushDescriptorSetWithTemplateKHR);
+    let draw = hook!(c"vkCmdDraw": PFN_vkCmdDraw);
+    let end = hook!(c"vkCmdEndRenderingKHR": PFN_vkCmdEndRendering);
+    let (layout, template) = (vk::PipelineLayout::null(), vk::DescriptorUpdateTemplate::from_raw(1));
+    let [graphics, compute] = [vk::PipelineBindPoint::GRAPHICS, vk::PipelineBindPoint::COMPUTE];
+    with_command_buffer(|handle, buffer| {
+        let (one, of_one) = view_of_picture(buffer, 7);
+        let (other, of_other) = view_of_picture(buffer, 8);
+        let image = |view| vk::DescriptorImageInfo::default().image_view(view);
+        let push_to = |point, number: u32, binding: u32, view| {
+            let images = [image(view)];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_binding(binding)
+                .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
+                .image_info(&images);
+            // SAFETY: the command buffer is live, and the write is valid.
+            unsafe { push(handle, point, layout, number, 1, &write) };
+        };
+        let drawn = || {
+            begin(handle);
+            // SAFETY: the command buffer is live.
+            unsafe {
+                draw(handle, 30, 1, 0, 0);
+                end(handle);
+            }
+            read_by_meshes(buffer)
+        };
+        draws::recording_begins(buffer, handle);
+        push_to(graphics, 0, 0, one);
+        assert_eq!(drawn(), (vec![of_one], false));
+        push_to(graphics, 0, 1, other);
+        assert_eq!(drawn(), (vec![of_one, of_other], false), "the first binding stays");
+        push_to(graphics, 0, 0, vk::ImageView::from_raw(9));
+        assert_eq!(drawn(), (vec![of_other], false), "an image that no pass draws to");
+        push_to(compute, 0, 1, one);
+        assert_eq!(drawn(), (vec![of_other], false));
+        draws::recording_begins(buffer, handle);
+        assert_eq!(drawn(), (vec![], false));
+        push_to(graphics, 0, 0, one);
+        assert_eq!(drawn(), (vec![of_one], false), "nothing is left of the last recording");
+
+        let entry = vk::DescriptorUpdateTemplateEntry {
+            descriptor_count: 1,
+            descriptor_type: vk::DescriptorType::SAMPLED_IMAGE,
+            ..vk::DescriptorUpdateTemplateEntry::default()
+        };
+        let data = image(other);
+        // SAFETY: the command buffer is live, and the data as the template describes it.
+        let push_by_template = || unsafe { push_by(handle, template, layout, 0, (&raw const data).cast()) };
+        buffer.armed.objects.descriptors.add_template(template, &[entry], compute);
+        push_by_template();
+        assert_eq!(drawn(), (vec![of_one], false));
+        buffer.armed.objects.descriptors.add_template(template, &[entry], graphics);
+        push_by_template();
+        assert_eq!(drawn(), (vec![of_other], false));
+        push_to(graphics, 99, 0, one);
+        assert!(drawn().1, "beyond the numbers that are followed");
+    });
 }
 
 /// An upload is recorded beside a frame.

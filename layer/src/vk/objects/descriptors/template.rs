@@ -6,9 +6,11 @@ use smallvec::SmallVec;
 use std::ffi::c_void;
 
 /// The images in the data of an update.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq)]
 pub struct Template {
     images: SmallVec<[Images; 4]>,
+    /// The bind point of pushes.
+    point: vk::PipelineBindPoint,
 }
 
 /// Images of one binding (`VkDescriptorUpdateTemplateEntry`).
@@ -24,8 +26,8 @@ struct Images {
 }
 
 impl Template {
-    /// Of these entries.
-    pub fn new(entries: &[vk::DescriptorUpdateTemplateEntry]) -> Self {
+    /// Of these entries; `point` counts where it is a template of pushes.
+    pub fn new(entries: &[vk::DescriptorUpdateTemplateEntry], point: vk::PipelineBindPoint) -> Self {
         let images = entries.iter().filter(|entry| reads_image(entry.descriptor_type));
         let images = images.map(|entry| Images {
             binding: entry.dst_binding,
@@ -34,7 +36,12 @@ impl Template {
             offset: entry.offset,
             stride: entry.stride,
         });
-        Self { images: images.collect() }
+        Self { images: images.collect(), point }
+    }
+
+    /// Whether pushes by it are for drawing.
+    pub fn draws(&self) -> bool {
+        self.point == vk::PipelineBindPoint::GRAPHICS
     }
 
     /// The views that shaders read images by, each with its binding and array element.
@@ -94,13 +101,14 @@ mod tests {
         put(1 + size, 8);
         put(1 + 3 * size, 9);
         put(1 + 5 * size, 10);
-        let template = Template::new(&[
+        let entries = [
             entry(4, [0, 1], Kind::SAMPLED_IMAGE, [1, 0]),
             entry(2, [0, 3], Kind::UNIFORM_BUFFER, [0, 8]),
             entry(5, [0, 1], Kind::SAMPLER, [1, 0]),
             entry(6, [3, 3], Kind::COMBINED_IMAGE_SAMPLER, [1 + size, 2 * size]),
             entry(7, [0, 0], Kind::STORAGE_IMAGE, [usize::MAX, usize::MAX]),
-        ]);
+        ];
+        let template = Template::new(&entries, vk::PipelineBindPoint::GRAPHICS);
         // SAFETY: the data holds descriptors at these places.
         let views: Vec<_> =
             unsafe { template.views(data.as_ptr().cast()) }.map(|(at, view)| (at, view.as_raw())).collect();

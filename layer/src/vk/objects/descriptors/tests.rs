@@ -55,7 +55,9 @@ fn sets_of_open_layouts_may_hold_anything() {
 #[test]
 fn a_set_of_all_textures_names_none() {
     let (descriptors, layout) = with_open_set();
-    let write = |element: u32| descriptors.write(set(1), (0, element), Some(ImageKey(element.into())));
+    let write = |element: u32| {
+        descriptors.write(set(1), (0, element), Some(ImageKey(element.into())));
+    };
     (0..Reads::MOST as u32).for_each(write);
     assert_eq!(read(&descriptors, set(1)).0.len(), Reads::MOST);
     write(100);
