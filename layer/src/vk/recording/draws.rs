@@ -320,7 +320,8 @@ pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::Descriptor
     });
 }
 
-/// Descriptors are pushed for drawing to the set of that number, those with images by these views: others of the set stay.
+/// Descriptors are pushed for drawing to the set of that number: images by these views, each with its binding and array element. Other
+/// descriptors of the set stay.
 ///
 /// # Safety
 ///
