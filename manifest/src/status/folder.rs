@@ -164,7 +164,7 @@ fn remove(path: &Path) {
     }
 }
 
-/// Time since a file was written. A file from the future, whose clock was another, is as old as it is ahead.
+/// Age of a file. With a time in the future, by a clock that was put back since, the distance to that time.
 fn age(metadata: &fs::Metadata, now: SystemTime) -> Option<Duration> {
     Some(now.duration_since(metadata.modified().ok()?).unwrap_or_else(|ahead| ahead.duration()))
 }

@@ -146,19 +146,15 @@ mod tests {
     }
 
     #[test]
-    fn depth_and_stencil_in_different_layouts_return_early() {
-        let separate = Some(DepthFacts { is_separate: true, ..depth() });
-        let method = MaskMethod::Return { keeps_coverage: true, instead: Unmasked::Layouts };
-        assert_eq!(of(separate, false, KEEPING, color()), Ok(method));
-        assert_eq!(of(separate, false, ANY, color()), Err(Unmasked::Layouts));
-    }
-
-    #[test]
-    fn a_pass_that_cannot_load_its_depth_returns_early() {
-        let unloadable = Some(DepthFacts { is_loadable: false, ..depth() });
-        let method = MaskMethod::Return { keeps_coverage: true, instead: Unmasked::RenderPass };
-        assert_eq!(of(unloadable, false, KEEPING, color()), Ok(method));
-        assert_eq!(of(unloadable, false, ANY, color()), Err(Unmasked::RenderPass));
+    fn depth_that_cannot_be_loaded_or_has_separate_layouts_returns_early() {
+        for (depth, instead) in [
+            (DepthFacts { is_loadable: false, ..depth() }, Unmasked::RenderPass),
+            (DepthFacts { is_separate: true, ..depth() }, Unmasked::Layouts),
+        ] {
+            let method = MaskMethod::Return { keeps_coverage: true, instead };
+            assert_eq!(of(Some(depth), false, KEEPING, color()), Ok(method));
+            assert_eq!(of(Some(depth), false, ANY, color()), Err(instead));
+        }
     }
 
     /// A template keeps no work from a CPU that tests depth of several samples.

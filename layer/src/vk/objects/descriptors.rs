@@ -325,12 +325,6 @@ pub unsafe fn written_views<'a>(
         .map(move |(element, image)| ((binding, element), image.image_view))
 }
 
-/// The set for descriptors that are pushed to a number in a command buffer. No set of an application has this handle, an address within the
-/// command buffer's object.
-pub fn pushed_set(commands: vk::CommandBuffer, number: u32) -> vk::DescriptorSet {
-    vk::DescriptorSet::from_raw(commands.as_raw() + 1 + u64::from(number))
-}
-
 /// Whether the content of a layout's sets is unknown.
 ///
 /// # Safety

@@ -32,7 +32,7 @@ impl<T> Retired<T> {
         self.take(|_, remaining| remaining == 0)
     }
 
-    /// Removes those of a session that ends.
+    /// Removes all swapchains of a session.
     fn take_all_of(&mut self, session: xr::Session) -> Vec<T> {
         self.take(|of, _| of == session)
     }
